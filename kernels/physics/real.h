@@ -1,0 +1,123 @@
+// The language of the element kernels: the part of C11 that CUDA C++ also accepts.
+// No designated initialisers, compound literals, VLAs, _Generic or implicit void* casts.
+#pragma once
+
+#include <math.h>
+#include <stdint.h>
+
+#ifdef __CUDACC__
+#define CLOTH_FN static __host__ __device__ __forceinline__
+#else
+#define CLOTH_FN static inline
+#endif
+
+#ifdef CLOTH_SINGLE_PRECISION
+typedef float cloth_real;
+#define CLOTH_REAL_EPSILON 1.1920929e-07f // distance from 1 to the next number
+#define cloth_sqrt  sqrtf
+#define cloth_fabs  fabsf
+#define cloth_fmin  fminf
+#define cloth_fmax  fmaxf
+#define cloth_atan2 atan2f
+#define cloth_sin   sinf
+#define cloth_cos   cosf
+#else
+typedef double cloth_real;
+#define CLOTH_REAL_EPSILON 2.2204460492503131e-16
+#define cloth_sqrt  sqrt
+#define cloth_fabs  fabs
+#define cloth_fmin  fmin
+#define cloth_fmax  fmax
+#define cloth_atan2 atan2
+#define cloth_sin   sin
+#define cloth_cos   cos
+#endif
+
+typedef struct cloth_v3 {
+  cloth_real x, y, z;
+} cloth_v3;
+
+/// A symmetric 3x3 matrix.
+typedef struct cloth_sym3 {
+  cloth_real xx, yy, zz, yz, zx, xy;
+} cloth_sym3;
+
+CLOTH_FN cloth_v3 cloth_v3_make(cloth_real x, cloth_real y, cloth_real z)
+{
+  cloth_v3 v;
+  v.x = x, v.y = y, v.z = z;
+  return v;
+}
+
+// row i of an [n x 3] array
+CLOTH_FN cloth_v3 cloth_v3_load(const cloth_real *a, int i)
+{
+  return cloth_v3_make(a[3 * i], a[3 * i + 1], a[3 * i + 2]);
+}
+
+CLOTH_FN void cloth_v3_store(cloth_real *a, int i, cloth_v3 v)
+{
+  a[3 * i] = v.x, a[3 * i + 1] = v.y, a[3 * i + 2] = v.z;
+}
+
+CLOTH_FN cloth_v3 cloth_v3_add(cloth_v3 a, cloth_v3 b)
+{
+  return cloth_v3_make(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+
+CLOTH_FN cloth_v3 cloth_v3_sub(cloth_v3 a, cloth_v3 b)
+{
+  return cloth_v3_make(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+CLOTH_FN cloth_v3 cloth_v3_scale(cloth_real s, cloth_v3 a)
+{
+  return cloth_v3_make(s * a.x, s * a.y, s * a.z);
+}
+
+// a + s b
+CLOTH_FN cloth_v3 cloth_v3_add_scaled(cloth_v3 a, cloth_real s, cloth_v3 b)
+{
+  return cloth_v3_make(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+
+CLOTH_FN cloth_real cloth_v3_dot(cloth_v3 a, cloth_v3 b)
+{
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+CLOTH_FN cloth_v3 cloth_v3_cross(cloth_v3 a, cloth_v3 b)
+{
+  return cloth_v3_make(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+CLOTH_FN cloth_real cloth_v3_length(cloth_v3 a) { return cloth_sqrt(cloth_v3_dot(a, a)); }
+
+CLOTH_FN cloth_sym3 cloth_sym3_load(const cloth_real *a, int i)
+{
+  cloth_sym3 s;
+  s.xx = a[6 * i], s.yy = a[6 * i + 1], s.zz = a[6 * i + 2];
+  s.yz = a[6 * i + 3], s.zx = a[6 * i + 4], s.xy = a[6 * i + 5];
+  return s;
+}
+
+CLOTH_FN void cloth_sym3_store(cloth_real *a, int i, cloth_sym3 s)
+{
+  a[6 * i] = s.xx, a[6 * i + 1] = s.yy, a[6 * i + 2] = s.zz;
+  a[6 * i + 3] = s.yz, a[6 * i + 4] = s.zx, a[6 * i + 5] = s.xy;
+}
+
+CLOTH_FN cloth_v3 cloth_sym3_mul(cloth_sym3 s, cloth_v3 v)
+{
+  return cloth_v3_make(s.xx * v.x + s.xy * v.y + s.zx * v.z, s.xy * v.x + s.yy * v.y + s.yz * v.z,
+                       s.zx * v.x + s.yz * v.y + s.zz * v.z);
+}
+
+// a I + b n n'
+CLOTH_FN cloth_sym3 cloth_sym3_axis(cloth_real a, cloth_real b, cloth_v3 n)
+{
+  cloth_sym3 s;
+  s.xx = a + b * n.x * n.x, s.yy = a + b * n.y * n.y, s.zz = a + b * n.z * n.z;
+  s.yz = b * n.y * n.z, s.zx = b * n.z * n.x, s.xy = b * n.x * n.y;
+  return s;
+}

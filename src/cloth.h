@@ -1,0 +1,285 @@
+// cloth: cloth for robots. This is the whole public interface of libcloth.
+//
+// A scene is described on the host (cloth_def: meshes, materials, bodies, parameters), then built
+// (cloth_scene) and stepped. A description comes from a YAML file, from calls, or from both.
+//
+// Conventions. SI units; angles in radians; right-handed frames, z up in the scene frame. Arrays are
+// row-major and their shape is written [rows x columns]. Vertices, triangles and groups keep the
+// order of the file or call that made them. A cloth_scene may be used by one thread at a time;
+// different scenes are independent. No function keeps a pointer that it was given, unless its
+// comment says "borrows". Nothing prints, exits or aborts.
+#pragma once
+
+#include "params.h"
+#include "report.h"
+#include "status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct cloth_def cloth_def;     // a description of a scene, on the host
+typedef struct cloth_scene cloth_scene; // a scene that can be stepped
+
+/// A rigid pose: position [3] m and unit quaternion (x, y, z, w).
+typedef struct cloth_pose {
+  double position[3];
+  double rotation[4];
+} cloth_pose;
+
+/// The pose that changes nothing.
+static inline cloth_pose cloth_pose_identity(void)
+{
+  cloth_pose p = {{0, 0, 0}, {0, 0, 0, 1}};
+  return p;
+}
+
+// ---- description --------------------------------------------------------------------------------
+
+/// A triangle mesh that a caller owns.
+typedef struct cloth_mesh_view {
+  int vertex_count, triangle_count;
+  const double *position; // [vertex_count x 3] m, in the frame of the cloth or body
+  const int *triangle;    // [triangle_count x 3] vertex indices, counter-clockwise seen from outside
+  const double *material; // [triangle_count x 3 x 2] m, (warp, weft) of each corner at rest; or NULL:
+                          // the flattened triangle, warp along the mesh's x axis projected onto it
+} cloth_mesh_view;
+
+/// A named set of vertices.
+typedef struct cloth_group_view {
+  const char *name;
+  int count;
+  const int *vertex; // [count]
+} cloth_group_view;
+
+/// One cloth.
+typedef struct cloth_cloth_view {
+  const char *name;
+  cloth_mesh_view mesh;
+  cloth_material material;
+  cloth_pose pose;     // of the mesh in the scene frame at the start
+  double velocity[3];  // m/s, scene frame, at the start
+  int group_count;
+  const cloth_group_view *group; // [group_count]
+} cloth_cloth_view;
+
+/// One rigid body that moves as told and is never moved by cloth: a robot link, a table.
+typedef struct cloth_body_view {
+  const char *name;
+  cloth_mesh_view mesh; // material is ignored
+  cloth_pose pose;      // at the start
+  double friction;      // Coulomb coefficient against cloth, in [0, 10]
+} cloth_body_view;
+
+/// An empty description with default parameters. CLOTH_NO_MEMORY.
+cloth_status cloth_def_new(cloth_def **out, cloth_error *err);
+
+/// Read a scene file (YAML; doc/scene_file.md). Relative paths in it are relative to the file.
+/// CLOTH_BAD_SCENE with file, line, key, value, unit and range; nothing is left behind.
+cloth_status cloth_def_load(const char *path, cloth_def **out, cloth_error *err);
+
+/// NULL is allowed.
+void cloth_def_free(cloth_def *def);
+
+/// The parameters, to read or edit in place; cloth_scene_new() checks them.
+cloth_params *cloth_def_params(cloth_def *def);
+
+/// Set one setting from text, as a command line or a ROS parameter would: any name of params.inl, or
+/// "backend" (auto, cpu, shuffle), "precision" (float, double), "devices" ("cpu,cpu,cpu": one part
+/// each), "effects.NAME" (auto, on, off). A vector is "0 0 -9.81". Unknown names are refused and the
+/// nearest match is named. CLOTH_BAD_ARGUMENT; nothing changed on failure.
+cloth_status cloth_def_set(cloth_def *def, const char *name, const char *value, cloth_error *err);
+
+/// Add a cloth, a body; `index` (nullable) receives its index. Copies everything. Refuses meshes with
+/// indices out of range, non-finite vertices, or (parameter mesh_defects) zero-area, duplicate or
+/// non-manifold parts: CLOTH_BAD_SCENE with the first offender.
+cloth_status cloth_def_add_cloth(cloth_def *def, const cloth_cloth_view *cloth, int *index,
+                                 cloth_error *err);
+cloth_status cloth_def_add_body(cloth_def *def, const cloth_body_view *body, int *index,
+                                cloth_error *err);
+
+// ---- scene --------------------------------------------------------------------------------------
+
+/// Build a scene. Reads `def` and keeps no reference to it.
+/// CLOTH_BAD_ARGUMENT: a parameter out of range; CLOTH_BAD_SCENE: nothing to simulate;
+/// CLOTH_UNSUPPORTED: backend or device not there; CLOTH_NO_MEMORY.
+cloth_status cloth_scene_new(const cloth_def *def, cloth_scene **out, cloth_error *err);
+
+/// NULL is allowed.
+void cloth_scene_free(cloth_scene *scene);
+
+/// Advance by one step.
+///
+/// Bodies and grasps arrive at the poses given by cloth_body_move() and cloth_grasp_move() since the
+/// last step; those with a motion in the scene file follow it. Blocks until the step is done.
+///
+/// h       length of the step [s] in [1e-5, 0.1]; 0 takes the parameter time_step
+/// report  nullable; filled also when a solve did not converge or contacts remain: those are results
+///
+/// Positive status (CLOTH_UNSTABLE: not finite, or out of bounds, after step_halvings_max halvings;
+/// CLOTH_BAD_ARGUMENT): the state is that of before the call. Negative: the scene is lost.
+cloth_status cloth_step(cloth_scene *scene, double h, cloth_step_report *report, cloth_error *err);
+
+/// Ask for cloth_step_report.state_hash at every step (default: off, it reads the state back).
+void cloth_scene_hash_steps(cloth_scene *scene, bool on);
+
+/// 64-bit hash of time, positions and velocities, bit for bit. Equal input gives equal hashes on
+/// every run, for any number of threads and parts.
+cloth_status cloth_state_hash(cloth_scene *scene, uint64_t *out, cloth_error *err);
+
+/// Simulated time [s].
+double cloth_time(const cloth_scene *scene);
+
+// ---- what is in it ------------------------------------------------------------------------------
+
+int cloth_count(const cloth_scene *scene);
+int cloth_find(const cloth_scene *scene, const char *name); // index, or -1
+const char *cloth_name(const cloth_scene *scene, int cloth);
+int cloth_vertex_count(const cloth_scene *scene, int cloth);
+int cloth_triangle_count(const cloth_scene *scene, int cloth);
+const int *cloth_triangles(const cloth_scene *scene, int cloth);       // [triangles x 3]; borrowed
+const double *cloth_rest_positions(const cloth_scene *scene, int cloth); // [vertices x 3] m; borrowed
+int cloth_group_count(const cloth_scene *scene, int cloth);
+cloth_group_view cloth_group(const cloth_scene *scene, int cloth, int group); // borrowed
+
+int cloth_body_count(const cloth_scene *scene);
+int cloth_body_find(const cloth_scene *scene, const char *name); // index, or -1
+const char *cloth_body_name(const cloth_scene *scene, int body);
+cloth_mesh_view cloth_body_mesh(const cloth_scene *scene, int body); // body frame; borrowed
+cloth_pose cloth_body_pose(const cloth_scene *scene, int body);      // after the last step
+
+/// Is an effect active, why, and what does it cost?
+typedef struct cloth_effect_info {
+  const char *name;
+  const char *source; // publication
+  bool active;
+  char why[160];         // e.g. "material towel: bend_warp = 5e-05 N m"
+  uint64_t memory_bytes; // device memory it holds; 0 when not active
+  int64_t launches;      // kernels launched since the scene began; 0 when not active
+} cloth_effect_info;
+
+int cloth_effect_count(void);
+cloth_status cloth_effect_describe(const cloth_scene *scene, int effect, cloth_effect_info *out,
+                                   cloth_error *err);
+
+// ---- state --------------------------------------------------------------------------------------
+
+/// Positions [m] or velocities [m/s] of one cloth's vertices after the last step, in the scene frame.
+/// out [count x 3]; count must equal cloth_vertex_count(). CLOTH_BAD_ARGUMENT, CLOTH_DEVICE_LOST.
+cloth_status cloth_positions(cloth_scene *scene, int cloth, double *out, int count, cloth_error *err);
+cloth_status cloth_velocities(cloth_scene *scene, int cloth, double *out, int count, cloth_error *err);
+
+/// Which vertices are held: out [count], 0 free, 1 pinned or grasped.
+cloth_status cloth_held(const cloth_scene *scene, int cloth, uint8_t *out, int count, cloth_error *err);
+
+/// Overwrite the state of one cloth. Either pointer may be NULL to leave that part as it is; every
+/// number must be finite and within the parameter bounds. CLOTH_BAD_ARGUMENT, nothing changed.
+cloth_status cloth_state_set(cloth_scene *scene, int cloth, const double *position,
+                             const double *velocity, int count, cloth_error *err);
+
+/// Back to the start: time 0, initial positions, velocities and body poses; no grasps but the pins
+/// of the scene file.
+cloth_status cloth_reset(cloth_scene *scene, cloth_error *err);
+
+/// Write, read the state (time, positions, velocities, bodies, grasps). The file is written beside
+/// and renamed; a file that is truncated, damaged, of another mesh or of another precision is refused
+/// (CLOTH_BAD_STATE) and the running state stays. A run continued from a file gives the same hashes.
+cloth_status cloth_state_save(cloth_scene *scene, const char *path, cloth_error *err);
+cloth_status cloth_state_load(cloth_scene *scene, const char *path, cloth_error *err);
+
+// ---- bodies and grasps --------------------------------------------------------------------------
+
+/// Where the body is to be at the end of the next step; it gets there on a straight line and the
+/// shorter rotation. The quaternion is normalised. CLOTH_BAD_ARGUMENT if not finite.
+cloth_status cloth_body_move(cloth_scene *scene, int body, const cloth_pose *pose, cloth_error *err);
+
+/// Put the body there at once, with no sweep in between.
+cloth_status cloth_body_place(cloth_scene *scene, int body, const cloth_pose *pose, cloth_error *err);
+
+/// A hold on some vertices of a cloth. Zero is no grasp. A handle outlives what it names: using one
+/// after its release fails with CLOTH_BAD_ARGUMENT instead of touching a new grasp.
+typedef struct cloth_grasp_id {
+  int index1;
+  unsigned generation;
+} cloth_grasp_id;
+
+/// What to hold and how.
+typedef struct cloth_grasp_view {
+  int cloth;
+  int count;
+  const int *vertex;     // [count]
+  int body;              // the vertices follow this body; -1: they follow `frame`
+  cloth_pose frame;      // used when body is -1; moved by cloth_grasp_move()
+  double stiffness;      // N/m per vertex; 0: rigid (exact)
+  double break_force;    // N; 0: never lets go by itself
+  int ignore_count;
+  const int *ignore_body; // [ignore_count] bodies (finger links) whose contacts with held vertices are off
+} cloth_grasp_view;
+
+/// Hold vertices. They move rigidly with the body or frame from the next cloth_step() on.
+/// out receives the grasp; {0} on failure. CLOTH_BAD_ARGUMENT: an index is out of range, a vertex is
+/// held already (named), no vertices. Nothing changed on failure.
+cloth_status cloth_grasp(cloth_scene *scene, const cloth_grasp_view *grasp, cloth_grasp_id *out,
+                         cloth_error *err);
+
+/// Where the frame is to be at the end of the next step (grasps with body -1).
+cloth_status cloth_grasp_move(cloth_scene *scene, cloth_grasp_id id, const cloth_pose *frame,
+                              cloth_error *err);
+
+/// Let go. The vertices keep their velocity.
+cloth_status cloth_grasp_release(cloth_scene *scene, cloth_grasp_id id, cloth_error *err);
+
+/// Does it still hold? false after release, break or reset.
+bool cloth_grasp_alive(const cloth_scene *scene, cloth_grasp_id id);
+
+/// What the gripper exerted on the cloth in the last step: force [3] N and torque [3] N m about the
+/// origin of the body or frame, in the scene frame.
+cloth_status cloth_grasp_wrench(const cloth_scene *scene, cloth_grasp_id id, double force[3],
+                                double torque[3], cloth_error *err);
+
+// ---- looking at contact -------------------------------------------------------------------------
+
+/// A cloth triangle and a body triangle that the broad phase holds for close.
+typedef struct cloth_body_pair {
+  int body, body_triangle;
+  int cloth, cloth_triangle;
+} cloth_body_pair;
+
+/// The broad phase on the present state: every (body, cloth) triangle pair closer than `margin` [m],
+/// in [0, 0.1], is in the answer; farther ones may be. Writes at most `capacity` pairs in ascending
+/// order; *count is how many there are. Changes nothing in the simulation.
+cloth_status cloth_body_pairs(cloth_scene *scene, double margin, cloth_body_pair *out, int capacity,
+                              int *count, cloth_error *err);
+
+/// A contact of the last linear system.
+typedef struct cloth_contact_view {
+  int cloth;           // of the first feature
+  int body;            // of the second feature; -1: cloth
+  double position[3];  // m, scene frame
+  double normal[3];    // unit, from the second feature to the first
+  double distance;     // m
+  double force;        // N, normal
+} cloth_contact_view;
+
+/// Contacts of the last step, at most `capacity`; *count is how many there are.
+cloth_status cloth_contacts(cloth_scene *scene, cloth_contact_view *out, int capacity, int *count,
+                            cloth_error *err);
+
+// ---- recorder -----------------------------------------------------------------------------------
+
+/// Write every call that changes this scene, and the state hash after each step, to a text file
+/// (doc/recording.md). One recording at a time.
+cloth_status cloth_record_start(cloth_scene *scene, const char *path, cloth_error *err);
+cloth_status cloth_record_stop(cloth_scene *scene, cloth_error *err);
+
+/// Run a recording against a fresh scene of the same description; *steps (nullable) is how many
+/// matched. CLOTH_BAD_STATE at the first step whose hash differs, naming the step.
+cloth_status cloth_replay(cloth_scene *scene, const char *path, int64_t *steps, cloth_error *err);
+
+#ifdef __cplusplus
+}
+#endif

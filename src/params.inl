@@ -1,0 +1,55 @@
+// Every parameter of a scene, once.
+//
+//   CLOTH_PARAM(type, name, default, unit, least, most, meaning)      type: double, int
+//   CLOTH_VECTOR(name, x, y, z, unit, most, meaning)                  [3], each |component| <= most
+//   CLOTH_CHOICE(name, default, "a|b|c", meaning)                     int: index into the choices
+//
+// This list becomes the struct, the defaults, the range checks, the YAML reader (`params:`), the
+// ROS loader (`~params/NAME`) and the table in README.md. Includers define what they need; the
+// other macros default to nothing.
+#ifndef CLOTH_PARAM
+#define CLOTH_PARAM(type, name, value, unit, least, most, meaning)
+#endif
+#ifndef CLOTH_VECTOR
+#define CLOTH_VECTOR(name, x, y, z, unit, most, meaning)
+#endif
+#ifndef CLOTH_CHOICE
+#define CLOTH_CHOICE(name, value, choices, meaning)
+#endif
+
+// time
+CLOTH_PARAM(double, time_step, 1.0 / 60, "s", 1e-5, 1e-1, "length of one step")
+CLOTH_PARAM(int, substeps, 1, "1", 1, 100, "equal parts a step is always cut into")
+CLOTH_PARAM(int, substeps_max, 16, "1", 1, 1000, "most parts a step is cut into when bodies move fast")
+CLOTH_PARAM(double, body_motion_max, 4e-3, "m", 1e-5, 1, "a body near the cloth moves at most this far in one substep")
+CLOTH_PARAM(int, step_halvings_max, 6, "1", 0, 20, "times a failed substep is halved before the step is refused")
+
+// solver
+CLOTH_PARAM(int, newton_iterations_max, 2, "1", 1, 100, "linear systems per substep")
+CLOTH_PARAM(double, newton_tolerance, 1e-2, "1", 1e-12, 1, "stop when the largest correction is below this share of the contact thickness")
+CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solver at this relative residual")
+CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
+CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
+
+// world
+CLOTH_VECTOR(gravity, 0, 0, -9.81, "m/s^2", 1e3, "acceleration of free fall, scene frame")
+CLOTH_VECTOR(wind, 0, 0, 0, "m/s", 200, "mean velocity of the air, scene frame")
+CLOTH_PARAM(double, gust, 0, "1", 0, 10, "amplitude of gusts as a share of the mean wind")
+CLOTH_PARAM(double, gust_period, 1, "s", 1e-3, 1e3, "period of the gusts")
+CLOTH_PARAM(double, air_density, 0, "kg/m^3", 0, 10, "0 is a vacuum: no wind, no drag; 1.2 is air")
+CLOTH_PARAM(double, bounds, 100, "m", 1e-3, 1e6, "a vertex farther than this from the origin is an explosion")
+
+// contact
+CLOTH_PARAM(double, thickness, 3e-3, "m", 1e-5, 5e-2, "distance that contact keeps between layers, and between cloth and bodies")
+CLOTH_PARAM(double, contact_stiffness, 20, "1", 1e-2, 1e6, "contact spring in units of vertex mass / step^2")
+CLOTH_PARAM(double, friction, 0.3, "1", 0, 10, "Coulomb coefficient, cloth on cloth")
+CLOTH_PARAM(double, friction_slip_speed, 1e-3, "m/s", 1e-7, 1, "below this slip speed friction is static")
+CLOTH_PARAM(double, pair_slack, 2e-3, "m", 0, 1e-1, "how far a vertex may stray from its prediction before pairs are searched again")
+CLOTH_PARAM(int, failsafe_iterations_max, 20, "1", 1, 1000, "passes that hold back what would pass through, before all involved vertices are stopped")
+
+// input
+CLOTH_CHOICE(mesh_defects, 0, "refuse|repair", "what to do with a mesh that has zero-area, duplicate or non-manifold parts")
+
+#undef CLOTH_PARAM
+#undef CLOTH_VECTOR
+#undef CLOTH_CHOICE

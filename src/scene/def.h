@@ -14,6 +14,16 @@ typedef struct cloth_mesh {
   double *material; // [triangle_count x 3 x 2] m, or NULL
 } cloth_mesh;
 
+/// What was wrong with a mesh and was put right when it was added (parameter mesh_defects).
+typedef struct cloth_mesh_repairs {
+  int zero_area;    // triangles without area or with a vertex twice: dropped
+  int duplicate;    // triangles that were there already: dropped
+  int non_manifold; // third and further triangles on an edge: dropped
+  int flipped;      // triangles wound against their neighbours: turned over
+  int flattened;    // triangles without area in material space: flattened from their rest shape
+  int unreferenced; // vertices that no triangle uses: dropped, so later vertices moved up
+} cloth_mesh_repairs;
+
 typedef struct cloth_group_def {
   char *name;
   int count;
@@ -48,6 +58,7 @@ typedef struct cloth_cloth_def {
   double velocity[3];
   int group_count;
   cloth_group_def *group;
+  cloth_mesh_repairs repairs;
 } cloth_cloth_def;
 
 typedef struct cloth_body_def {
@@ -57,6 +68,7 @@ typedef struct cloth_body_def {
   cloth_pose pose;
   double friction;
   cloth_motion motion; // key_count 0 and velocity, spin 0: stays where it is told
+  cloth_mesh_repairs repairs;
 } cloth_body_def;
 
 typedef enum cloth_effect_wish { CLOTH_EFFECT_AUTO, CLOTH_EFFECT_ON, CLOTH_EFFECT_OFF } cloth_effect_wish;
@@ -85,3 +97,16 @@ cloth_pose cloth_motion_at(const cloth_motion *m, cloth_pose start, double time)
 
 /// Does it move at all?
 bool cloth_motion_moves(const cloth_motion *m);
+
+// ---- for the readers in src/scene ---------------------------------------------------------------
+
+/// Index of the cloth or body of that name, or -1.
+int cloth_def_find_cloth(const cloth_def *def, const char *name);
+int cloth_def_find_body(const cloth_def *def, const char *name);
+
+/// Give the quaternion length 1. CLOTH_BAD_SCENE: not finite, or its length is not within 10 % of 1.
+cloth_status cloth_pose_normalise(cloth_pose *pose, cloth_error *err);
+
+/// The arrays of a motion, not the struct; an array of groups with all that is in it.
+void cloth_motion_free(cloth_motion *motion);
+void cloth_groups_free(cloth_group_def *group, int count);

@@ -1,0 +1,29 @@
+// The element kernels as OpenMP loops, one table entry per line of kernels.inl.
+#pragma once
+
+#include "all.h"
+
+#include <stddef.h>
+
+typedef void cloth_loop(int n, int threads, const void *args);
+
+// A loop this short is done by the caller: waking a thread costs more. Which thread runs an element
+// never changes its result.
+enum { CLOTH_LOOP_SERIAL_BELOW = 16 };
+
+// Clones for processors with AVX2 are chosen when the program starts. Without contraction to fused
+// multiply-add (-ffp-contract=off) they give the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \
+    !defined(__SANITIZE_ADDRESS__)
+#define CLOTH_CLONES __attribute__((target_clones("avx2", "default"), flatten))
+#else
+#define CLOTH_CLONES
+#endif
+
+typedef struct cloth_loop_entry {
+  cloth_loop *run;
+  size_t args_bytes;
+} cloth_loop_entry;
+
+/// [CLOTH_KERNEL_COUNT], in loops.c.
+extern const cloth_loop_entry cloth_loops[];

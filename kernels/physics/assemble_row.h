@@ -1,0 +1,121 @@
+// Row i of the linear system A dx = b of one Newton iteration of backward Euler,
+//   A = M / h^2 + K,   b = -M / h^2 (x - x*) + f(x),
+// gathered from the slots that the element kernels wrote. Each row adds in one fixed order; nothing is
+// scattered. Also the inverse of the diagonal block, contacts included, for the preconditioner.
+#pragma once
+
+#include "block_rows.h"
+
+// which elements meet at a row, and into which slots of the row their blocks go
+typedef struct cloth_incidence {
+  const int *first;  // [rows + 1]; NULL: the effect is not active
+  const int *corner; // [first[rows]] corners * element + corner
+  const int *slot;   // [first[rows] x corners] slot of the row for each corner of the element
+} cloth_incidence;
+
+typedef struct cloth_assemble_row_args {
+  int first;                         // vertex of row 0
+  cloth_real inverse_step;           // 1/s
+  const cloth_real *mass;            // [vertices] kg
+  const cloth_real *x, *x_pred;      // [vertices x 3] m
+  const cloth_real *hold_stiffness;  // [vertices] N/m, compliant holds; NULL: none
+  const cloth_real *target;          // [vertices x 3] m, of holds
+  cloth_incidence membrane;          // 3 corners
+  const cloth_real *membrane_force, *membrane_tangent; // [n x 9] N, [n x 45] N/m: membrane.h
+  cloth_incidence drag;              // 3 corners, slot not used
+  const cloth_real *drag_force, *drag_tangent; // [n x 3] N, [n x 6] N/m: drag.h
+  cloth_incidence bend;              // 4 corners
+  const cloth_real *bend_force, *bend_gradient, *bend_weight; // [n x 12], [n x 12], [n]: bend.h
+  const uint32_t *contact_first;     // [rows + 1]; NULL: no contacts
+  const uint32_t *contact_entry;     // [entries] 4 contact + corner
+  const cloth_real *contact_weight;  // [contacts x 4]
+  const cloth_real *contact_force;   // [contacts x 3] N
+  const cloth_real *contact_tangent; // [contacts x 6] N/m
+  cloth_block_rows rows;             // written
+  cloth_real *b;                     // [vertices x 3] N, written
+  cloth_real *inverse_diagonal;      // [vertices x 6] m/N, written
+} cloth_assemble_row_args;
+
+CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+{
+  for (int n = a->membrane.first[i]; n < a->membrane.first[i + 1]; n++) {
+    int e = a->membrane.corner[n] / 3, c = a->membrane.corner[n] % 3;
+    const cloth_real *tangent = a->membrane_tangent + 45 * e;
+    *f = cloth_v3_add(*f, cloth_v3_load(a->membrane_force, 3 * e + c));
+    cloth_block_add_sym(&a->rows, i, a->membrane.slot[3 * n + c], cloth_sym3_load(tangent, c));
+    int next = (c + 1) % 3, last = (c + 2) % 3; // stored: K(c, c + 1)
+    cloth_block_add(&a->rows, i, a->membrane.slot[3 * n + next], tangent + 18 + 9 * c);
+    cloth_block_add_transposed(&a->rows, i, a->membrane.slot[3 * n + last], tangent + 18 + 9 * last);
+  }
+}
+
+CLOTH_FN void cloth_add_bend(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+{
+  for (int n = a->bend.first[i]; n < a->bend.first[i + 1]; n++) {
+    int e = a->bend.corner[n] / 4, c = a->bend.corner[n] % 4;
+    *f = cloth_v3_add(*f, cloth_v3_load(a->bend_force, 4 * e + c));
+    cloth_v3 g = cloth_v3_scale(a->bend_weight[e], cloth_v3_load(a->bend_gradient, 4 * e + c));
+    for (int k = 0; k < 4; k++)
+      cloth_block_add_outer(&a->rows, i, a->bend.slot[4 * n + k], g,
+                            cloth_v3_load(a->bend_gradient, 4 * e + k));
+  }
+}
+
+CLOTH_FN void cloth_add_drag(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+{
+  for (int n = a->drag.first[i]; n < a->drag.first[i + 1]; n++) {
+    int e = a->drag.corner[n] / 3;
+    *f = cloth_v3_add(*f, cloth_v3_load(a->drag_force, e));
+    cloth_block_add_sym(&a->rows, i, 0, cloth_sym3_load(a->drag_tangent, e));
+  }
+}
+
+CLOTH_FN cloth_sym3 cloth_sym3_inverse(cloth_sym3 m)
+{
+  cloth_sym3 c; // cofactors
+  c.xx = m.yy * m.zz - m.yz * m.yz, c.yy = m.zz * m.xx - m.zx * m.zx, c.zz = m.xx * m.yy - m.xy * m.xy;
+  c.yz = m.zx * m.xy - m.yz * m.xx, c.zx = m.xy * m.yz - m.zx * m.yy, c.xy = m.yz * m.zx - m.xy * m.zz;
+  cloth_real det = m.xx * c.xx + m.xy * c.xy + m.zx * c.zx;
+  if (!(det > 0)) { // lost to rounding: the diagonal alone
+    c.xx = 1 / m.xx, c.yy = 1 / m.yy, c.zz = 1 / m.zz, c.yz = c.zx = c.xy = 0;
+    return c;
+  }
+  cloth_real s = 1 / det;
+  c.xx *= s, c.yy *= s, c.zz *= s, c.yz *= s, c.zx *= s, c.xy *= s;
+  return c;
+}
+
+CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
+{
+  int v = a->first + i;
+  cloth_block_clear(&a->rows, i);
+
+  // inertia and compliant holds
+  cloth_real m = a->mass[v] * a->inverse_step * a->inverse_step;
+  cloth_v3 x = cloth_v3_load(a->x, v);
+  cloth_v3 f = cloth_v3_scale(m, cloth_v3_sub(cloth_v3_load(a->x_pred, v), x));
+  if (a->hold_stiffness && a->hold_stiffness[v] > 0) {
+    cloth_real k = a->hold_stiffness[v];
+    f = cloth_v3_add_scaled(f, k, cloth_v3_sub(cloth_v3_load(a->target, v), x));
+    m += k;
+  }
+  cloth_block_add_sym(&a->rows, i, 0, cloth_sym3_axis(m, 0, f));
+
+  if (a->membrane.first) cloth_add_membrane(i, a, &f);
+  if (a->bend.first) cloth_add_bend(i, a, &f);
+  if (a->drag.first) cloth_add_drag(i, a, &f);
+
+  cloth_sym3 d = cloth_block_diagonal(&a->rows, i);
+  if (a->contact_first)
+    for (uint32_t n = a->contact_first[i]; n < a->contact_first[i + 1]; n++) {
+      uint32_t e = a->contact_entry[n];
+      cloth_real w = a->contact_weight[e];
+      f = cloth_v3_add_scaled(f, w, cloth_v3_load(a->contact_force, (int)(e / 4)));
+      cloth_sym3 t = cloth_sym3_load(a->contact_tangent, (int)(e / 4));
+      w *= w;
+      d.xx += w * t.xx, d.yy += w * t.yy, d.zz += w * t.zz;
+      d.yz += w * t.yz, d.zx += w * t.zx, d.xy += w * t.xy;
+    }
+  cloth_v3_store(a->b, v, f);
+  cloth_sym3_store(a->inverse_diagonal, v, cloth_sym3_inverse(d));
+}

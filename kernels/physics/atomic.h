@@ -1,0 +1,27 @@
+// Integer atomics for element kernels. Used only where the result does not depend on the order:
+// counting, appending to a list that is sorted afterwards, taking a minimum.
+#pragma once
+
+#include "real.h"
+
+/// Add n to *p; the value before.
+CLOTH_FN uint32_t cloth_atomic_add(uint32_t *p, uint32_t n)
+{
+#ifdef __CUDA_ARCH__
+  return atomicAdd(p, n);
+#else
+  return __atomic_fetch_add(p, n, __ATOMIC_RELAXED);
+#endif
+}
+
+/// Lower *p to v if v is smaller.
+CLOTH_FN void cloth_atomic_min(uint32_t *p, uint32_t v)
+{
+#ifdef __CUDA_ARCH__
+  atomicMin(p, v);
+#else
+  uint32_t old = __atomic_load_n(p, __ATOMIC_RELAXED);
+  while (v < old && !__atomic_compare_exchange_n(p, &old, v, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+#endif
+}

@@ -1,0 +1,52 @@
+// Axis-aligned boxes, rows of a [n x 6] array: lo x y z, hi x y z.
+#pragma once
+
+#include "real.h"
+
+typedef struct cloth_box {
+  cloth_v3 lo, hi;
+} cloth_box;
+
+CLOTH_FN cloth_box cloth_box_load(const cloth_real *a, int i)
+{
+  cloth_box b;
+  b.lo = cloth_v3_load(a, 2 * i), b.hi = cloth_v3_load(a, 2 * i + 1);
+  return b;
+}
+
+CLOTH_FN void cloth_box_store(cloth_real *a, int i, cloth_box b)
+{
+  cloth_v3_store(a, 2 * i, b.lo), cloth_v3_store(a, 2 * i + 1, b.hi);
+}
+
+CLOTH_FN cloth_v3 cloth_v3_min(cloth_v3 a, cloth_v3 b)
+{
+  return cloth_v3_make(a.x < b.x ? a.x : b.x, a.y < b.y ? a.y : b.y, a.z < b.z ? a.z : b.z);
+}
+
+CLOTH_FN cloth_v3 cloth_v3_max(cloth_v3 a, cloth_v3 b)
+{
+  return cloth_v3_make(a.x > b.x ? a.x : b.x, a.y > b.y ? a.y : b.y, a.z > b.z ? a.z : b.z);
+}
+
+CLOTH_FN cloth_box cloth_box_union(cloth_box a, cloth_box b)
+{
+  a.lo = cloth_v3_min(a.lo, b.lo), a.hi = cloth_v3_max(a.hi, b.hi);
+  return a;
+}
+
+/// Are they closer than gap in every axis?
+CLOTH_FN int cloth_box_near(cloth_box a, cloth_box b, cloth_real gap)
+{
+  return a.lo.x <= b.hi.x + gap && b.lo.x <= a.hi.x + gap && a.lo.y <= b.hi.y + gap &&
+         b.lo.y <= a.hi.y + gap && a.lo.z <= b.hi.z + gap && b.lo.z <= a.hi.z + gap;
+}
+
+/// The box of a vertex that moves from a to b.
+CLOTH_FN cloth_box cloth_box_swept(cloth_v3 a, cloth_v3 b, cloth_real inflate)
+{
+  cloth_v3 r = cloth_v3_make(inflate, inflate, inflate);
+  cloth_box box;
+  box.lo = cloth_v3_sub(cloth_v3_min(a, b), r), box.hi = cloth_v3_add(cloth_v3_max(a, b), r);
+  return box;
+}

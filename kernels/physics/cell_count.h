@@ -1,0 +1,44 @@
+// How many cells triangle i covers; body triangles that cover very many are set aside, because one
+// table top would flood the hash, and those that miss the cloth's box cover none.
+#pragma once
+
+#include "atomic.h"
+#include "grid.h"
+
+enum { CLOTH_CELLS_MAX = 64 }; // a body triangle over more cells is large
+
+typedef struct cloth_cell_count_args {
+  cloth_grid grid;
+  cloth_real gap;              // m, half the distance at which a pair counts
+  cloth_real cloth_box[6];     // m, of all cloth
+  int cloth_triangles;         // elements below are cloth
+  const int *body_triangle;    // [n - cloth_triangles] triangles of bodies that are near
+  const cloth_real *box;       // [triangles x 6] m
+  uint32_t *count;             // [n], written
+  uint32_t *large;             // list of large triangles
+  uint32_t *large_count;       // [1] counts up
+} cloth_cell_count_args;
+
+CLOTH_FN int cloth_active_triangle(int i, int cloth_triangles, const int *body_triangle)
+{
+  return i < cloth_triangles ? i : body_triangle[i - cloth_triangles];
+}
+
+CLOTH_FN void cloth_cell_count(int i, const cloth_cell_count_args *a)
+{
+  int t = cloth_active_triangle(i, a->cloth_triangles, a->body_triangle);
+  cloth_box box = cloth_box_load(a->box, t);
+  cloth_cells c = cloth_grid_cells(&a->grid, box, a->gap);
+  uint32_t n = (uint32_t)(c.hi[0] - c.lo[0] + 1) * (uint32_t)(c.hi[1] - c.lo[1] + 1) *
+               (uint32_t)(c.hi[2] - c.lo[2] + 1);
+  if (i >= a->cloth_triangles) {
+    cloth_box cloth = cloth_box_load(a->cloth_box, 0);
+    if (!cloth_box_near(box, cloth, 2 * a->gap)) {
+      n = 0;
+    } else if (n > CLOTH_CELLS_MAX) {
+      a->large[cloth_atomic_add(a->large_count, 1)] = (uint32_t)t;
+      n = 0;
+    }
+  }
+  a->count[i] = n;
+}

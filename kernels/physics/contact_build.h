@@ -1,0 +1,51 @@
+// Contact i as a plane for this substep: normal and weights from the start of the substep, when nothing
+// had passed through, so the side is known; the distance along it changes with the solve.
+//
+// Stiffness: from mass and step, so that conditioning does not depend on either. Closer contacts are
+// stiffer by (thickness / distance)^2, a barrier by lagged secants that carries any load before the
+// distance is used up (in the spirit of Li et al. 2020, Incremental potential contact).
+#pragma once
+
+#include "contact_geometry.h"
+
+typedef struct cloth_contact_build_args {
+  cloth_contact_scene scene;
+  cloth_real stiffness;     // in units of mass / step^2
+  cloth_real inverse_step;  // 1/s
+  const uint64_t *contact;  // [n] sorted
+  int *vertex;              // [n x 4], written
+  cloth_real *weight;       // [n x 4], written
+  cloth_real *normal;       // [n x 3], written
+  cloth_real *distance;     // [n] m at the start of the substep, written
+  cloth_real *thickness;    // [n] m, written
+  cloth_real *k;            // [n] N/m, written
+  cloth_real *mu;           // [n] Coulomb coefficient, written
+} cloth_contact_build_args;
+
+CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
+{
+  const cloth_contact_scene *s = &a->scene;
+  cloth_contact_geometry g;
+  cloth_pair_vertices(s, a->contact[i], &g);
+  cloth_contact_measure(s->x_t0, &g);
+
+  cloth_real inverse_mass = 0;
+  for (int c = 0; c < 4; c++) {
+    int v = g.vertex[c];
+    a->vertex[4 * i + c] = v;
+    a->weight[4 * i + c] = g.weight[c];
+    if (v < s->cloth_vertices && s->free[v] > 0)
+      inverse_mass += g.weight[c] * g.weight[c] / s->mass[v];
+  }
+  cloth_v3_store(a->normal, i, g.normal);
+  a->distance[i] = g.distance;
+  cloth_real t = cloth_contact_thickness(s, &g);
+  a->thickness[i] = t;
+
+  cloth_real k = inverse_mass > 0 ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
+  cloth_real least = t * (cloth_real)0.05;
+  cloth_real close = g.distance > least ? g.distance : least;
+  a->k[i] = close < t ? k * (t / close) * (t / close) : k;
+  int body = cloth_contact_body(s, &g);
+  a->mu[i] = body >= 0 ? s->body_friction[body] : s->friction;
+}

@@ -1,0 +1,44 @@
+// Does candidate i touch in this substep? It does if it is closer than its thickness now, or would be
+// after the predicted motion.
+#pragma once
+
+#include "atomic.h"
+#include "contact_geometry.h"
+
+typedef struct cloth_contact_find_args {
+  cloth_contact_scene scene;
+  const uint64_t *pair; // [n]
+  uint64_t *contact;    // [capacity], appended
+  uint32_t capacity;
+  uint32_t *count;      // [1] counts up, also past the capacity
+} cloth_contact_find_args;
+
+// do the features' swept boxes come within the thickness?
+CLOTH_FN int cloth_pair_near(const cloth_contact_scene *s, const cloth_contact_geometry *g, cloth_real gap)
+{
+  int split = g->type == CLOTH_VERTEX_FACE ? 1 : 2;
+  cloth_box box[2];
+  for (int k = 0; k < 4; k++) {
+    int v = g->vertex[k];
+    cloth_box b = cloth_box_swept(cloth_v3_load(s->x_t0, v), cloth_v3_load(s->x, v), 0);
+    int side = k >= split;
+    box[side] = k == 0 || k == split ? b : cloth_box_union(box[side], b);
+  }
+  return cloth_box_near(box[0], box[1], gap);
+}
+
+CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
+{
+  const cloth_contact_scene *s = &a->scene;
+  cloth_contact_geometry g;
+  cloth_pair_vertices(s, a->pair[i], &g);
+  if (!cloth_pair_near(s, &g, s->thickness)) return;
+  cloth_contact_measure(s->x_t0, &g);
+  if (!g.proper) return;
+  cloth_real ahead = g.distance + cloth_v3_dot(g.normal, cloth_contact_motion(&g, s->x_t0, s->x));
+  cloth_real nearest = ahead < g.distance ? ahead : g.distance;
+  if (!(nearest < s->thickness) || cloth_contact_ignored(s, &g)) return;
+  if (!(nearest < cloth_contact_thickness(s, &g))) return;
+  uint32_t at = cloth_atomic_add(a->count, 1);
+  if (at < a->capacity) a->contact[at] = a->pair[i];
+}

@@ -1,0 +1,126 @@
+// What a pair of features looks like: four vertices, weights that give the vector between the closest
+// points as sum w_k x_k, the unit normal and the distance. Shared by every contact and impact kernel.
+#pragma once
+
+#include "box.h"
+#include "distance.h"
+#include "pair_key.h"
+
+typedef struct cloth_contact_scene {
+  int cloth_vertices;            // vertices from here on belong to bodies
+  const int *triangle;           // [triangles x 3]
+  const int *edge;               // [edges x 2]
+  const cloth_real *x_t0;        // [vertices x 3] m, start of the substep
+  const cloth_real *x;           // [vertices x 3] m, predicted or solved end
+  const cloth_real *rest;        // [cloth vertices x 3] m, rest shape
+  const cloth_real *free;        // [cloth vertices] 1: moves, 0: held rigidly
+  const cloth_real *mass;        // [cloth vertices] kg
+  const int *cloth_of;           // [cloth vertices] index of the cloth
+  const int *body_of;            // [body vertices] index of the body
+  const cloth_real *body_friction; // [bodies]
+  const int *grasp_of;           // [cloth vertices] 0: none, else 1 + grasp
+  const unsigned char *ignore;   // [grasps x bodies] 1: contacts of held vertices with the body are off
+  int bodies;
+  cloth_real thickness;          // m
+  cloth_real friction;           // cloth on cloth
+  cloth_key_format format;
+} cloth_contact_scene;
+
+typedef struct cloth_contact_geometry {
+  int type;
+  int vertex[4];        // vertex-face: v, corners; edge-edge: ends of a, ends of b
+  cloth_real weight[4]; // sum 0; positive side first
+  cloth_v3 normal;      // unit, from the second feature to the first; zero if they coincide
+  cloth_real distance;  // m
+  int proper;           // 0: an edge-edge pair whose closest points are not inside both edges, which
+                        // some vertex-face pair covers
+} cloth_contact_geometry;
+
+CLOTH_FN void cloth_pair_vertices(const cloth_contact_scene *s, uint64_t key, cloth_contact_geometry *g)
+{
+  cloth_pair p = cloth_pair_unpack(s->format, key);
+  g->type = p.type;
+  if (p.type == CLOTH_VERTEX_FACE) {
+    g->vertex[0] = p.a;
+    for (int k = 0; k < 3; k++) g->vertex[1 + k] = s->triangle[3 * p.b + k];
+  } else {
+    g->vertex[0] = s->edge[2 * p.a], g->vertex[1] = s->edge[2 * p.a + 1];
+    g->vertex[2] = s->edge[2 * p.b], g->vertex[3] = s->edge[2 * p.b + 1];
+  }
+}
+
+// positions relative to the first vertex: float keeps its digits far from the origin
+CLOTH_FN void cloth_contact_measure(const cloth_real *x, cloth_contact_geometry *g)
+{
+  cloth_v3 o = cloth_v3_load(x, g->vertex[0]), r[4];
+  r[0] = cloth_v3_make(0, 0, 0);
+  for (int k = 1; k < 4; k++) r[k] = cloth_v3_sub(cloth_v3_load(x, g->vertex[k]), o);
+
+  cloth_real d_sq;
+  g->proper = 1;
+  if (g->type == CLOTH_VERTEX_FACE) {
+    cloth_real bary[3];
+    d_sq = cloth_distance_vertex_face_sq(r[0], r[1], r[2], r[3], bary);
+    g->weight[0] = 1, g->weight[1] = -bary[0], g->weight[2] = -bary[1], g->weight[3] = -bary[2];
+  } else {
+    cloth_real s, t;
+    d_sq = cloth_distance_edge_edge_sq(r[0], r[1], r[2], r[3], &s, &t);
+    g->weight[0] = 1 - s, g->weight[1] = s, g->weight[2] = t - 1, g->weight[3] = -t;
+    g->proper = s > 0 && s < 1 && t > 0 && t < 1;
+  }
+  cloth_v3 d = cloth_v3_make(0, 0, 0);
+  for (int k = 1; k < 4; k++) d = cloth_v3_add_scaled(d, g->weight[k], r[k]);
+  cloth_real length = cloth_v3_length(d);
+  g->normal = length > 0 ? cloth_v3_scale(1 / length, d) : d;
+  g->distance = cloth_sqrt(d_sq);
+}
+
+// sum w_k (x_k - x_t0_k): how far the closest points move apart in the substep
+CLOTH_FN cloth_v3 cloth_contact_motion(const cloth_contact_geometry *g, const cloth_real *x_t0,
+                                       const cloth_real *x)
+{
+  cloth_v3 u = cloth_v3_make(0, 0, 0);
+  for (int k = 0; k < 4; k++) {
+    int v = g->vertex[k];
+    u = cloth_v3_add_scaled(u, g->weight[k], cloth_v3_sub(cloth_v3_load(x, v), cloth_v3_load(x_t0, v)));
+  }
+  return u;
+}
+
+/// The body in the pair, or -1. There is at most one: bodies do not touch each other.
+CLOTH_FN int cloth_contact_body(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  for (int k = 0; k < 4; k++)
+    if (g->vertex[k] >= s->cloth_vertices) return s->body_of[g->vertex[k] - s->cloth_vertices];
+  return -1;
+}
+
+/// Is the pair switched off: nothing in it can move, or a gripper meets what it holds?
+CLOTH_FN int cloth_contact_ignored(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  int body = cloth_contact_body(s, g), movable = 0;
+  for (int k = 0; k < 4; k++) {
+    int v = g->vertex[k];
+    if (v >= s->cloth_vertices) continue;
+    if (s->free[v] > 0) movable = 1;
+    if (body >= 0 && s->grasp_of[v] > 0 && s->ignore[(s->grasp_of[v] - 1) * s->bodies + body]) return 1;
+  }
+  return !movable;
+}
+
+/// The distance that this pair keeps [m]: the thickness, or less where the cloth's own mesh is finer
+/// than that, so that neighbours at rest do not push each other apart.
+CLOTH_FN cloth_real cloth_contact_thickness(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  int cloth = -1;
+  for (int k = 0; k < 4; k++) {
+    if (g->vertex[k] >= s->cloth_vertices) return s->thickness;
+    int c = s->cloth_of[g->vertex[k]];
+    if (cloth >= 0 && c != cloth) return s->thickness;
+    cloth = c;
+  }
+  cloth_contact_geometry rest = *g;
+  cloth_contact_measure(s->rest, &rest);
+  cloth_real t = rest.distance * (cloth_real)0.7, least = s->thickness * (cloth_real)0.05;
+  return t < least ? least : t < s->thickness ? t : s->thickness;
+}

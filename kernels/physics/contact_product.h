@@ -1,0 +1,24 @@
+// The contact part of A p, kept in factors instead of 16 blocks: q = tangent * sum w_b p_b, and row a
+// adds weight_a q.
+#pragma once
+
+#include "real.h"
+
+typedef struct cloth_contact_product_args {
+  int cloth_vertices;        // body vertices do not move in the solve
+  const int *vertex;         // [n x 4]
+  const cloth_real *weight;  // [n x 4]
+  const cloth_real *tangent; // [n x 6] N/m
+  const cloth_real *p;       // [cloth vertices x 3]
+  cloth_real *q;             // [n x 3], written
+} cloth_contact_product_args;
+
+CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
+{
+  cloth_v3 u = cloth_v3_make(0, 0, 0);
+  for (int c = 0; c < 4; c++) {
+    int v = a->vertex[4 * i + c];
+    if (v < a->cloth_vertices) u = cloth_v3_add_scaled(u, a->weight[4 * i + c], cloth_v3_load(a->p, v));
+  }
+  cloth_v3_store(a->q, i, cloth_sym3_mul(cloth_sym3_load(a->tangent, i), u));
+}

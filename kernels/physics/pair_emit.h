@@ -1,0 +1,84 @@
+// From two triangles whose regions are close to the pairs of features that may touch: 6 vertex-face and
+// 9 edge-edge, of which each triangle answers only for the vertices and edges that it owns, so that
+// every pair of features is reported once (representative triangles: Curtis et al. 2008).
+#pragma once
+
+#include "atomic.h"
+#include "box.h"
+#include "pair_key.h"
+
+typedef struct cloth_pair_mesh {
+  int cloth_vertices;            // vertices from here on belong to bodies
+  int cloth_triangles;           // triangles likewise
+  const int *triangle;           // [triangles x 3]
+  const int *triangle_edge;      // [triangles x 3] edge k joins corners k and k + 1
+  const int *owns;               // [triangles] bits 0..2 its corners, bits 3..5 its edges
+  const int *edge;               // [edges x 2]
+  const cloth_real *vertex_box;  // [vertices x 6] m
+  const cloth_real *box;         // [triangles x 6] m
+  cloth_real gap;                // m, distance at which a pair counts
+  int self;                      // 1: cloth against cloth too
+  int first, last;               // vertices of this part: pairs that touch none of them are left out
+  int triangles_only;            // 1: report (cloth triangle, body triangle) instead of features
+  cloth_key_format format;
+  uint64_t *key;                 // [capacity]
+  uint32_t capacity;
+  uint32_t *count;               // [1] counts up, also past the capacity
+} cloth_pair_mesh;
+
+CLOTH_FN void cloth_pair_append(const cloth_pair_mesh *m, int type, int a, int b)
+{
+  uint32_t at = cloth_atomic_add(m->count, 1);
+  if (at < m->capacity) m->key[at] = cloth_pair_pack(m->format, type, a, b);
+}
+
+CLOTH_FN int cloth_pair_mine(const cloth_pair_mesh *m, int v) { return v >= m->first && v < m->last; }
+
+CLOTH_FN void cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb)
+{
+  const int *va = m->triangle + 3 * ta, *vb = m->triangle + 3 * tb;
+  cloth_box face = cloth_box_load(m->box, tb);
+  int mine = cloth_pair_mine(m, vb[0]) || cloth_pair_mine(m, vb[1]) || cloth_pair_mine(m, vb[2]);
+  for (int k = 0; k < 3; k++) {
+    int v = va[k];
+    if (!(m->owns[ta] >> k & 1) || v == vb[0] || v == vb[1] || v == vb[2]) continue;
+    if (!mine && !cloth_pair_mine(m, v)) continue;
+    if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, m->gap))
+      cloth_pair_append(m, CLOTH_VERTEX_FACE, v, tb);
+  }
+}
+
+CLOTH_FN void cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
+{
+  for (int i = 0; i < 3; i++) {
+    if (!(m->owns[ta] >> (3 + i) & 1)) continue;
+    int ea = m->triangle_edge[3 * ta + i], a0 = m->edge[2 * ea], a1 = m->edge[2 * ea + 1];
+    cloth_box box = cloth_box_union(cloth_box_load(m->vertex_box, a0), cloth_box_load(m->vertex_box, a1));
+    for (int k = 0; k < 3; k++) {
+      if (!(m->owns[tb] >> (3 + k) & 1)) continue;
+      int eb = m->triangle_edge[3 * tb + k], b0 = m->edge[2 * eb], b1 = m->edge[2 * eb + 1];
+      if (a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1) continue;
+      if (!cloth_pair_mine(m, a0) && !cloth_pair_mine(m, a1) && !cloth_pair_mine(m, b0) &&
+          !cloth_pair_mine(m, b1))
+        continue;
+      cloth_box other =
+          cloth_box_union(cloth_box_load(m->vertex_box, b0), cloth_box_load(m->vertex_box, b1));
+      if (cloth_box_near(box, other, m->gap))
+        cloth_pair_append(m, CLOTH_EDGE_EDGE, ea < eb ? ea : eb, ea < eb ? eb : ea);
+    }
+  }
+}
+
+/// ta is a cloth triangle; tb is another cloth triangle or one of a body.
+CLOTH_FN void cloth_pair_emit(const cloth_pair_mesh *m, int ta, int tb)
+{
+  if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return;
+  if (m->triangles_only) {
+    const int *v = m->triangle + 3 * ta; // counted by the part of the first corner
+    if (cloth_pair_mine(m, v[0])) cloth_pair_append(m, CLOTH_VERTEX_FACE, ta, tb);
+    return;
+  }
+  cloth_pair_vertices_face(m, ta, tb);
+  cloth_pair_vertices_face(m, tb, ta);
+  cloth_pair_edges(m, ta, tb);
+}

@@ -1,0 +1,25 @@
+// Are we there, and how much of the old direction is kept? One element.
+#pragma once
+
+#include "pcg.h"
+
+typedef struct cloth_pcg_beta_args {
+  int chunks;                // of all parts
+  int start;                 // 1: right after pcg_start
+  cloth_real tolerance;      // relative residual
+  const cloth_real *partial; // [chunks x 2] r'z, r'r
+  cloth_real *scalar;        // [CLOTH_PCG_SCALARS]
+} cloth_pcg_beta_args;
+
+CLOTH_FN void cloth_pcg_beta(int i, const cloth_pcg_beta_args *a)
+{
+  (void)i;
+  cloth_real *s = a->scalar;
+  if (!a->start && s[CLOTH_PCG_DONE] > 0) return;
+  cloth_real rz = cloth_partial_sum(a->partial, a->chunks, 0);
+  cloth_real rr = cloth_partial_sum(a->partial, a->chunks, 1);
+  if (a->start) s[CLOTH_PCG_BB] = rr, s[CLOTH_PCG_ITERATIONS] = 0, s[CLOTH_PCG_DONE] = 0;
+  s[CLOTH_PCG_BETA] = a->start ? 0 : rz / s[CLOTH_PCG_RZ];
+  s[CLOTH_PCG_RZ] = rz, s[CLOTH_PCG_RR] = rr;
+  if (!(rr > a->tolerance * a->tolerance * s[CLOTH_PCG_BB])) s[CLOTH_PCG_DONE] = 1;
+}

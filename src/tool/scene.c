@@ -1,0 +1,58 @@
+// What every subcommand that runs a scene needs: the scene itself, a clock, sizes as text.
+#include "tool.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+// --set NAME=VALUE
+static cloth_status set_pair(cloth_def *def, const char *pair, cloth_error *err)
+{
+  const char *equals = strchr(pair, '=');
+  char name[64];
+  if (!equals || equals == pair || (size_t)(equals - pair) >= sizeof name)
+    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--set '%s' is not NAME=VALUE", pair);
+  snprintf(name, sizeof name, "%.*s", (int)(equals - pair), pair);
+  return cloth_def_set(def, name, equals + 1, err);
+}
+
+cloth_status tool_scene_load(const tool_arguments *args, const char *path, cloth_def **out,
+                             cloth_error *err)
+{
+  cloth_status status;
+  *out = NULL;
+  CLOTH_TRY_GOTO(cloth_def_load(path, out, err), status, fail);
+  for (int i = 0; i < args->given_count; i++) {
+    const tool_given *given = &args->given[i];
+    for (const tool_option *option = tool_scene_options; option->name; option++) {
+      if (given->option != option) continue;
+      status = strcmp(option->name, "set") == 0
+                   ? set_pair(*out, given->value, err)
+                   : cloth_def_set(*out, option->name, given->value, err);
+      if (status != CLOTH_OK) goto fail;
+    }
+  }
+  return CLOTH_OK;
+
+fail:
+  cloth_def_free(*out);
+  *out = NULL;
+  return status;
+}
+
+double tool_clock(void)
+{
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+const char *tool_bytes(uint64_t bytes, char out[32])
+{
+  static const char *const unit[] = {"B", "KiB", "MiB", "GiB", "TiB"};
+  double size = (double)bytes;
+  int i = 0;
+  while (size >= 1024 && i < 4) size /= 1024, i++;
+  snprintf(out, 32, i ? "%.1f %s" : "%.0f %s", size, unit[i]);
+  return out;
+}

@@ -28,6 +28,7 @@
 #pragma once
 
 #include "distance.h"
+#include "toi_close.h"
 
 #define CLOTH_TOI_ITERATIONS_MAX 128 // enough to halve the distance to the last bit, twice
 
@@ -132,31 +133,35 @@ CLOTH_FN cloth_real cloth_toi_separation(const cloth_toi_motion *m, const cloth_
   return least;
 }
 
-CLOTH_FN int cloth_toi_search(const cloth_toi_motion *m, cloth_real gap, cloth_real share,
-                              int iterations_max, cloth_real *toi)
+CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
+                              cloth_real gap, cloth_real share, cloth_real *toi)
 {
+  cloth_toi_motion m = cloth_toi_motion_make(x_t0, x_t1, split);
   cloth_real t = 0, level = 0, enough = 0;
-  for (int k = 0; k < iterations_max; k++) {
+  for (int k = 0; k < CLOTH_TOI_ITERATIONS_MAX; k++) {
     cloth_v3 x[4], n[2];
-    for (int p = 0; p < 4; p++) x[p] = cloth_v3_add_scaled(m->start[p], t, m->rate[p]);
-    cloth_toi_normals(x, m->split, n);
+    for (int p = 0; p < 4; p++) x[p] = cloth_v3_add_scaled(m.start[p], t, m.rate[p]);
+    cloth_toi_normals(x, split, n);
     if (k == 0) {
-      cloth_real skip, s0 = cloth_toi_separation(m, x, n[0], 0, &skip);
-      cloth_real s1 = cloth_toi_separation(m, x, n[1], 0, &skip),
-                 kept = share * (s0 > s1 ? s0 : s1);
+      cloth_real skip, kept = cloth_toi_separation(&m, x, n[0], 0, &skip);
+      cloth_real other = cloth_toi_separation(&m, x, n[1], 0, &skip);
+      kept = share * (other > kept ? other : kept);
       level = kept < gap ? (kept > 0 ? kept : 0) : gap;
-      enough = level + level / 16 + 2 * m->error;
+      enough = level + level / 16 + 2 * m.error;
     }
     // the normal that proves more
     cloth_real next = t;
     for (int c = 0; c < 2; c++) {
-      cloth_real time, least = cloth_toi_separation(m, x, n[c], level + m->error, &time);
+      cloth_real time, least = cloth_toi_separation(&m, x, n[c], level + m.error, &time);
       if (least > enough && t + time > next) next = t + time;
     }
     if (next > 1) return 0;
     if (!(next > t)) break;
     t = next;
   }
+#ifndef CLOTH_SINGLE_PRECISION
+  if (level == 0 && !cloth_toi_close(x_t0, x_t1, split, t)) return 0;
+#endif
   *toi = t;
   return 1;
 }
@@ -168,14 +173,12 @@ CLOTH_FN int cloth_toi_search(const cloth_toi_motion *m, cloth_real gap, cloth_r
 CLOTH_FN int cloth_toi_vertex_face(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], cloth_real gap,
                                    cloth_real share, cloth_real *toi)
 {
-  cloth_toi_motion m = cloth_toi_motion_make(x_t0, x_t1, 1);
-  return cloth_toi_search(&m, gap, share, CLOTH_TOI_ITERATIONS_MAX, toi);
+  return cloth_toi_search(x_t0, x_t1, 1, gap, share, toi);
 }
 
 // The same for the edges x[0] x[1] and x[2] x[3].
 CLOTH_FN int cloth_toi_edge_edge(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], cloth_real gap,
                                  cloth_real share, cloth_real *toi)
 {
-  cloth_toi_motion m = cloth_toi_motion_make(x_t0, x_t1, 2);
-  return cloth_toi_search(&m, gap, share, CLOTH_TOI_ITERATIONS_MAX, toi);
+  return cloth_toi_search(x_t0, x_t1, 2, gap, share, toi);
 }

@@ -8,7 +8,9 @@
 // A face whose height is below CLOTH_BEND_SLIVER of the edge has no direction to speak of: g is
 // reduced as the square of that height, for both faces alike, so that force and moment still
 // balance. An edge folded by 180 degrees is where theta jumps from pi to -pi; the differences are
-// taken the short way. Sources: E. Grinspun, A. Hirani, M. Desbrun, P. Schroeder, Discrete Shells,
+// taken the short way.
+//
+// Sources: E. Grinspun, A. Hirani, M. Desbrun, P. Schroeder, Discrete Shells,
 // 2003; R. Bridson, S. Marino, R. Fedkiw, Simulation of Clothing with Folds and Wrinkles, 2003 (the
 // four gradients).
 #pragma once

@@ -7,6 +7,7 @@
 // largest).
 //
 // Pass positions relative to one of the points where they are float and far from the origin.
+//
 // Sources: C. Ericson, Real-Time Collision Detection, 2005, chapter 5.1 (regions); the interior
 // points come from normals instead of his dot products, which lose half the digits on slivers and
 // on edges that are nearly parallel.

@@ -3,7 +3,9 @@
 //
 // The tangent is that of F in u at fixed area and normal (positive semi-definite), over the step
 // length, and lumped: what one corner adds to its own diagonal block. A face moving as a whole gets
-// it exactly. The normal part is what lifts a face that meets the wind at an angle. Sources: S. F.
+// it exactly. The normal part is what lifts a face that meets the wind at an angle.
+//
+// Sources: S. F.
 // Hoerner, Fluid-Dynamic Drag, 1965 (coefficients); D. Baraff and A. Witkin, Large Steps in Cloth
 // Simulation, 1998 (drag of a face inside the implicit step).
 #pragma once

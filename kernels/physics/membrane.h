@@ -10,7 +10,9 @@
 //
 // Damping is viscous stress over the step, S = C : (G + damping (G - G_t0)). To first order that is
 // -damping K (x - x_t0); unlike it, a turn of the triangle as a whole feels nothing, and the force
-// stays the gradient of one function of x, which a line search can use. Sources: B. Thomaszewski,
+// stays the gradient of one function of x, which a line search can use.
+//
+// Sources: B. Thomaszewski,
 // S. Pabst, W. Strasser, Continuum-based Strain Limiting, 2009 (triangle with Green strain in
 // material axes); J. Teran, E. Sifakis, G. Irving, R. Fedkiw, Robust Quasistatic Finite Elements
 // and Flesh Simulation, 2005 (element tangents made definite; here on the stress alone).
@@ -18,19 +20,19 @@
 
 #include "real.h"
 
+// rest is the inverse of [warp, weft of corners 1-0 and 2-0 as columns], m00 m01 m10 m11 [1/m], and
+// the area [m^2]; tangent is K00 K11 K22 packed (xx yy zz yz zx xy), then K01 K12 K20 row by row,
+// K_ab = - d force_a / d x_b.
 typedef struct cloth_membrane_args {
-  const int *triangle; // [n x 3]         corners, local ids
-  const cloth_real
-      *rest;           // [n x 5]         inverse of [warp, weft of corners 1-0 and 2-0 as columns],
-                       //                 m00 m01 m10 m11, 1/m; area, m^2
-  const int *material; // [n]             row of stiffness and damping
+  const int *triangle;         // [n x 3]              corners, local ids
+  const cloth_real *rest;      // [n x 5]         1/m, m^2, see above
+  const int *material;         // [n]                  row of stiffness and damping
   const cloth_real *stiffness; // [materials x 4] N/m  c11 c12 c22 c33
   const cloth_real *damping;   // [materials]     1    damping time over step length
   const cloth_real *x;         // [vertices x 3]  m    positions
   const cloth_real *x_t0;      // [vertices x 3]  m    positions at the start of the step
-  cloth_real *force;           // [n x 9]         N    on corners 0 1 2                        (out)
-  cloth_real *tangent;         // [n x 45]        N/m  K00 K11 K22 packed (xx yy zz yz zx xy),
-                               //                      K01 K12 K20 full, row by row           (out)
+  cloth_real *force;           // [n x 9]         N    on corners 0 1 2   (out)
+  cloth_real *tangent;         // [n x 45]        N/m  see above          (out)
 } cloth_membrane_args;
 
 /// The deformation gradient: images of the unit vectors along warp and weft.

@@ -7,9 +7,9 @@
 // other, and each of these is a straight line in t'. The first of them to fall to the level ends
 // the step; what lies between is proved free, whatever rounding did to the choice of n. There n is
 // chosen again. A step is never shorter than that of additive conservative advancement (M. Li, D.
-// Kaufman, C. Jiang, Codimensional Incremental Potential Contact, 2021, section 6.2), which divides
-// by the fastest relative speed in any direction; features that slide past each other take one step
-// here and thousands there.
+// Kaufman, C. Jiang, Codimensional Incremental Potential Contact, 2021), which divides by the
+// fastest relative speed in any direction; features that slide past each other take one step here
+// and many there.
 //
 // What counts as an impact is a distance that falls to
 //   level = min(gap, share * distance at t0)
@@ -22,9 +22,14 @@
 // coordinates that are themselves rounded, here and where the caller evaluates x(toi). Steps aim at
 // level + that error, and a distance below level + 2 of it (+ level / 16, for fewer steps) is an
 // impact. A pair that starts as near as that has toi 0. Running out of iterations is an impact at
-// the time proved free so far, and so is NaN in the input. Sources: B. Mirtich, Timewise Rigid Body
-// Simulation, 2000 (conservative advancement); X. Zhang, M. Lee, Y. Kim, Interactive Continuous
-// Collision Detection for Non-Convex Polyhedra, 2006 (motion along a normal).
+// the time proved free so far, and so is NaN in the input.
+//
+// In double and for contact itself (level 0), what this leaves as an impact is put to toi_close.h
+// once more: a 0 is then a proof for the coordinates exactly as given.
+//
+// Sources: B. Mirtich, Timewise Rigid Body Simulation, 2000 (conservative advancement); X. Zhang,
+// M. Lee, Y. Kim, Interactive Continuous Collision Detection for Non-Convex Polyhedra, 2006 (motion
+// along a normal).
 #pragma once
 
 #include "distance.h"

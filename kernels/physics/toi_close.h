@@ -4,7 +4,9 @@
 // the same search with separating planes is taken up where that one stopped, for contact itself
 // (level 0), with every coordinate taken as exactly what it is. It costs some hundred times as
 // much; toi.h calls it only in double and only when its answer would be yes. In float the
-// coordinates themselves are not that good. Sources: T. Dekker, A floating-point technique for
+// coordinates themselves are not that good.
+//
+// Sources: T. Dekker, A floating-point technique for
 // extending the available precision, 1971; D. Knuth, The Art of Computer Programming 2, 4.2.2
 // (exact sum); Y. Hida, X. Li, D. Bailey, Library for double-double and quad-double arithmetic,
 // 2007.

@@ -71,9 +71,8 @@ struct Link {
 struct ModelProblem {
   enum Kind {
     dropped_collision, // a <collision> that cannot be used and was left out
-    broken_element,    // a <visual> or <inertial> that would have hidden a link's collisions
     mesh_warning,      // a mesh file that was repaired or is very large
-    unusual_joint,     // planar, floating, limits in the wrong order, zero mimic multiplier
+    unusual_joint,     // planar, floating, limits in the wrong order, a mimic that never moves
   };
   Kind kind;
   std::string link_or_joint;

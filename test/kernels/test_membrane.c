@@ -1,0 +1,222 @@
+// Tests of kernels/physics/membrane.h and membrane_stretch.h. The oracle is the energy written out
+// in double below and its finite differences. Lengths are of order 1 m and stiffnesses of order 100
+// N/m, so `tolerance` is some tens of roundings of quantities of order 1000.
+#include "check.h"
+#include "derivative.h"
+#include "membrane_stretch.h"
+
+static const int triangle[3] = {0, 1, 2}, material[1] = {0};
+// corners of the triangle in warp and weft [m]: (0.1, 0), (1.0, 0.2), (0.3, 0.9)
+static const double flat[3][2] = {{0.1, 0}, {1.0, 0.2}, {0.3, 0.9}};
+static cloth_real rest[5], stiffness[4] = {130, 25, 80, 30}, damping[1];
+static const double tolerance =
+    1e4 * 32 * CLOTH_REAL_EPSILON + 1e-7; // differences give 1e-8 or better
+
+static void setup(double damp)
+{
+  double a = flat[1][0] - flat[0][0], c = flat[1][1] - flat[0][1];
+  double b = flat[2][0] - flat[0][0], d = flat[2][1] - flat[0][1], det = a * d - b * c;
+  rest[0] = (cloth_real)(d / det), rest[1] = (cloth_real)(-b / det);
+  rest[2] = (cloth_real)(-c / det), rest[3] = (cloth_real)(a / det),
+  rest[4] = (cloth_real)(det / 2);
+  damping[0] = (cloth_real)damp;
+}
+
+static void evaluate(const double x[9], const double x_t0[9], double force[9], double full[81])
+{
+  static const int packed[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
+  cloth_real xr[9], x0[9], f[9], k[45];
+  for (int c = 0; c < 9; c++) xr[c] = (cloth_real)x[c], x0[c] = (cloth_real)x_t0[c];
+  cloth_membrane_args a = {triangle, rest, material, stiffness, damping, xr, x0, f, k};
+  cloth_membrane(0, &a);
+  for (int c = 0; c < 9; c++) force[c] = (double)f[c];
+  for (int p = 0; p < 3; p++) {
+    int q = (p + 1) % 3;
+    for (int r = 0; r < 3; r++)
+      for (int c = 0; c < 3; c++) {
+        full[9 * (3 * p + r) + 3 * p + c] = (double)k[6 * p + packed[r][c]];
+        // K01 K12 K20
+        full[9 * (3 * p + r) + 3 * q + c] = full[9 * (3 * q + c) + 3 * p + r] =
+            (double)k[18 + 9 * p + 3 * r + c];
+      }
+  }
+}
+
+// A/2 G : C : G [J], component by component
+static double energy(const double *x)
+{
+  double f[3][2], g[3] = {0, 0, 0};
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 2; c++)
+      f[r][c] = (x[3 + r] - x[r]) * (double)rest[c] + (x[6 + r] - x[r]) * (double)rest[2 + c];
+  for (int r = 0; r < 3; r++)
+    g[0] += f[r][0] * f[r][0] / 2, g[1] += f[r][1] * f[r][1] / 2, g[2] += f[r][0] * f[r][1] / 2;
+  g[0] -= 0.5, g[1] -= 0.5;
+  const double c[4] = {(double)stiffness[0], (double)stiffness[1], (double)stiffness[2],
+                       (double)stiffness[3]};
+  double density =
+      c[0] * g[0] * g[0] + 2 * c[1] * g[0] * g[1] + c[2] * g[1] * g[1] + 4 * c[3] * g[2] * g[2];
+  return (double)rest[4] / 2 * density;
+}
+
+// the triangle stretched by (warp, weft), sheared, turned and moved, rounded to cloth_real
+static void pose(double warp, double weft, double shear, const double turn[3], double x[9])
+{
+  double r[9];
+  test_rotation(turn[0], turn[1], turn[2], r);
+  for (int v = 0; v < 3; v++) {
+    double w = warp * flat[v][0] + shear * flat[v][1], f = weft * flat[v][1] + shear * flat[v][0];
+    for (int c = 0; c < 3; c++)
+      x[3 * v + c] = (double)(cloth_real)(r[3 * c] * w + r[3 * c + 1] * f + 0.1);
+  }
+}
+
+static void random_pose(double x[9])
+{
+  for (int c = 0; c < 9; c++) x[c] = (double)(cloth_real)test_random();
+}
+
+static int force_is_energy_gradient(void)
+{
+  setup(0);
+  for (int p = 0; p < 50; p++) {
+    double x[9], f[9], k[81];
+    random_pose(x);
+    evaluate(x, x, f, k);
+    for (int c = 0; c < 9; c++)
+      CHECK_NEAR(f[c], -test_derivative(energy, x, 9, c, 1e-2), tolerance);
+    cloth_real xr[9];
+    for (int c = 0; c < 9; c++) xr[c] = (cloth_real)x[c];
+    cloth_real e = cloth_membrane_energy(cloth_v3_load(xr, 0), cloth_v3_load(xr, 1),
+                                         cloth_v3_load(xr, 2), rest, stiffness);
+    CHECK_NEAR((double)e, energy(x), tolerance);
+  }
+  return 0;
+}
+
+// with tension in every direction nothing is dropped
+static int stretched_tangent_is_force_gradient(void)
+{
+  setup(0);
+  for (int p = 0; p < 20; p++) {
+    double x[9], f[9], k[81], turn[3] = {3 * test_random(), 3 * test_random(), 3 * test_random()};
+    pose(1.3 + 0.2 * test_random(), 1.3 + 0.2 * test_random(), 0.05 * test_random(), turn, x);
+    evaluate(x, x, f, k);
+    for (int r = 0; r < 9; r++)
+      for (int c = 0; c < 9; c++)
+        CHECK_NEAR(k[9 * r + c], test_second_derivative(energy, x, 9, r, c, 1e-2), tolerance);
+  }
+  return 0;
+}
+
+// compressed, inverted, thrown about, flattened to a line or a point, and with the damping of a
+// wild step
+static int tangent_is_positive_semidefinite(void)
+{
+  for (int p = 0; p < 400; p++) {
+    double x[9], x_t0[9], f[9], k[81], most = 1;
+    setup(p % 3 == 0 ? 2 : 0);
+    random_pose(x), random_pose(x_t0);
+    double scale = p % 4 == 0 ? 1e-3 : p % 4 == 1 ? 0 : p % 4 == 2 ? 1 : 5;
+    for (int c = 0; c < 9; c++) x[c] *= scale;
+    if (p % 5 == 0)
+      for (int c = 0; c < 3; c++) x[6 + c] = x[3 + c] + 0.3 * (x[3 + c] - x[c]);
+    evaluate(x, x_t0, f, k);
+    for (int c = 0; c < 81; c++) most = fmax(most, fabs(k[c]));
+    CHECK(test_least_eigenvalue(k, 9) >= -64 * (double)CLOTH_REAL_EPSILON * most);
+    for (int c = 0; c < 9; c++) CHECK(isfinite(f[c]));
+  }
+  return 0;
+}
+
+// a rigid motion costs nothing, during the step (x_t0 -> x, with damping) and since rest
+static int rigid_motion_has_no_force(void)
+{
+  setup(3);
+  for (int p = 0; p < 20; p++) {
+    double x[9], x_t0[9], f[9], k[81];
+    double turn[3] = {3 * test_random(), 3 * test_random(), 3 * test_random()}, none[3] = {0, 0, 0};
+    pose(1, 1, 0, turn, x), pose(1, 1, 0, none, x_t0);
+    evaluate(x, x_t0, f, k);
+    for (int c = 0; c < 9; c++) CHECK_NEAR(f[c], 0, 4 * tolerance);
+  }
+  return 0;
+}
+
+static int force_and_torque_sum_to_zero(void)
+{
+  setup(0.7);
+  for (int p = 0; p < 50; p++) {
+    double x[9], x_t0[9], f[9], k[81], sum[6] = {0};
+    random_pose(x), random_pose(x_t0);
+    evaluate(x, x_t0, f, k);
+    for (int v = 0; v < 3; v++)
+      for (int c = 0; c < 3; c++) {
+        int d = (c + 1) % 3, e = (c + 2) % 3;
+        sum[c] += f[3 * v + c];
+        sum[3 + c] += x[3 * v + d] * f[3 * v + e] - x[3 * v + e] * f[3 * v + d];
+      }
+    for (int c = 0; c < 6; c++) CHECK_NEAR(sum[c], 0, tolerance);
+  }
+  return 0;
+}
+
+// near rest the viscous force is -damping K (x - x_t0) to first order, and the tangent grows by it
+static int damping_is_proportional_to_stiffness(void)
+{
+  double x[9], x_t0[9], f[9], k[81], slow[9], k_slow[81], none[3] = {0, 0, 0};
+  pose(1, 1, 0, none, x);
+  const double step = 1e-3; // m; the second order is step^2 times 100 N/m over 1 m
+  for (int c = 0; c < 9; c++) x_t0[c] = (double)(cloth_real)(x[c] - step * test_random());
+  setup(2);
+  evaluate(x, x_t0, f, k);
+  setup(0);
+  evaluate(x, x_t0, slow, k_slow);
+  double power = 0;
+  for (int r = 0; r < 9; r++) {
+    double viscous = 0;
+    for (int c = 0; c < 9; c++) viscous -= 2 * k_slow[9 * r + c] * (x[c] - x_t0[c]);
+    CHECK_NEAR(f[r] - slow[r], viscous, 2e3 * step * step + tolerance);
+    power += (f[r] - slow[r]) * (x[r] - x_t0[r]);
+  }
+  CHECK(power < 0);
+  for (int c = 0; c < 9; c++) x_t0[c] = x[c];
+  setup(2);
+  evaluate(x, x_t0, f, k);
+  for (int c = 0; c < 81; c++) CHECK_NEAR(k[c], 3 * k_slow[c], 3 * tolerance);
+  return 0;
+}
+
+// diag(a, b) between two turns has the principal stretches a and b
+static int stretch_is_largest_singular_value(void)
+{
+  setup(0);
+  const double cases[5][2] = {{1, 1}, {1.1, 0.8}, {0.7, 1.0001}, {0.5, 0.4}, {0, 0}};
+  for (int p = 0; p < 5; p++) {
+    double a = cases[p][0], b = cases[p][1], q = 0.6, x[9];
+    double turn[3] = {0.3 * p, 1, -2};
+    double cq = cos(q), sq = sin(q); // the symmetric matrix with eigenvalues a, b
+    pose(a * cq * cq + b * sq * sq, a * sq * sq + b * cq * cq, (a - b) * cq * sq, turn, x);
+    cloth_real xr[9], stretch;
+    for (int c = 0; c < 9; c++) xr[c] = (cloth_real)x[c];
+    cloth_membrane_stretch_args args = {triangle, rest, xr, &stretch};
+    cloth_membrane_stretch(0, &args);
+    // a collapsed triangle: the square root turns eps into its root
+    double root = a > 0 ? 64 * (double)CLOTH_REAL_EPSILON : 4 * sqrt((double)CLOTH_REAL_EPSILON);
+    CHECK_NEAR((double)stretch, fmax(a, b) - 1, root);
+  }
+  return 0;
+}
+
+int main(int argc, char **argv)
+{
+  int failures = 0;
+  RUN(force_is_energy_gradient);
+  RUN(stretched_tangent_is_force_gradient);
+  RUN(tangent_is_positive_semidefinite);
+  RUN(rigid_motion_has_no_force);
+  RUN(force_and_torque_sum_to_zero);
+  RUN(damping_is_proportional_to_stiffness);
+  RUN(stretch_is_largest_singular_value);
+  return failures != 0;
+}

@@ -27,33 +27,17 @@ cloth_material cloth_material_default(void)
 
 const cloth_param_info *cloth_param_table(void)
 {
+// clang-format off
 #define KIND_double CLOTH_IS_DOUBLE
 #define KIND_int    CLOTH_IS_INT
   static const cloth_param_info table[] = {
 #define CLOTH_PARAM(type, name, value, unit, least, most, meaning)                                 \
-  {#name, unit,          meaning,                                                                  \
-   NULL,  KIND_##type,   least,                                                                    \
-   most,  {value, 0, 0}, offsetof(cloth_params, name)},
+  {#name, unit, meaning, NULL, KIND_##type, least, most, {value, 0, 0}, offsetof(cloth_params, name)},
 #define CLOTH_VECTOR(name, x, y, z, unit, most, meaning)                                           \
-  {#name,                                                                                          \
-   unit,                                                                                           \
-   meaning,                                                                                        \
-   NULL,                                                                                           \
-   CLOTH_IS_VECTOR,                                                                                \
-   -(most),                                                                                        \
-   most,                                                                                           \
-   {x, y, z},                                                                                      \
-   offsetof(cloth_params, name)},
+  {#name, unit, meaning, NULL, CLOTH_IS_VECTOR, -(most), most, {x, y, z}, offsetof(cloth_params, name)},
 #define CLOTH_CHOICE(name, value, choices, meaning)                                                \
-  {#name,                                                                                          \
-   "1",                                                                                            \
-   meaning,                                                                                        \
-   choices,                                                                                        \
-   CLOTH_IS_CHOICE,                                                                                \
-   0,                                                                                              \
-   0,                                                                                              \
-   {value, 0, 0},                                                                                  \
-   offsetof(cloth_params, name)},
+  {#name, "1", meaning, choices, CLOTH_IS_CHOICE, 0, 0, {value, 0, 0}, offsetof(cloth_params, name)},
+  // clang-format on
 #include "params.inl"
       {NULL, NULL, NULL, NULL, CLOTH_IS_DOUBLE, 0, 0, {0, 0, 0}, 0}};
   return table;

@@ -1,5 +1,5 @@
-// The description of a scene, on the host, in double. Filled by src/scene/*.c (YAML, OBJ, PLY, calls),
-// read by the engine. Everything here is owned by the cloth_def and freed with it.
+// The description of a scene, on the host, in double. Filled by src/scene/*.c (YAML, OBJ, PLY,
+// calls), read by the engine. Everything here is owned by the cloth_def and freed with it.
 #pragma once
 
 #include "cloth.h"
@@ -30,22 +30,24 @@ typedef struct cloth_group_def {
   int *vertex; // [count] ascending, each once
 } cloth_group_def;
 
-/// Where something is at a time: positions interpolated linearly, rotations on the shorter arc; before
-/// the first and after the last key the pose stays. Or constant velocity and spin between two times.
+/// Where something is at a time: positions interpolated linearly, rotations on the shorter arc;
+/// before the first and after the last key the pose stays. Or constant velocity and spin between
+/// two times.
 typedef struct cloth_motion {
   int key_count;
-  double *time;     // [key_count] s, strictly ascending
-  cloth_pose *pose; // [key_count]
+  double *time;                // [key_count] s, strictly ascending
+  cloth_pose *pose;            // [key_count]
   double velocity[3], spin[3]; // m/s; rad/s about the start pose's origin; used when key_count is 0
   double start, end;           // s; velocity and spin act in [start, end]
 } cloth_motion;
 
-/// Vertices held from the scene file: from `start` to `end`, following a body or a motion of their own.
+/// Vertices held from the scene file: from `start` to `end`, following a body or a motion of their
+/// own.
 typedef struct cloth_pin_def {
   int cloth, group;
-  int body;                // index, or -1
-  cloth_motion motion;     // used when body is -1; relative to the frame at the vertices' centroid
-  double start, end;       // s; end may be INFINITY
+  int body;            // index, or -1
+  cloth_motion motion; // used when body is -1; relative to the frame at the vertices' centroid
+  double start, end;   // s; end may be INFINITY
   double stiffness, break_force;
 } cloth_pin_def;
 
@@ -64,28 +66,32 @@ typedef struct cloth_cloth_def {
 typedef struct cloth_body_def {
   char *name;
   cloth_mesh mesh; // primitives are triangulated when they are read
-  bool plane;      // an unbounded half-space: z <= 0 of the body frame is solid. mesh is a square of it
+  bool plane; // an unbounded half-space: z <= 0 of the body frame is solid. mesh is a square of it
   cloth_pose pose;
   double friction;
   cloth_motion motion; // key_count 0 and velocity, spin 0: stays where it is told
   cloth_mesh_repairs repairs;
 } cloth_body_def;
 
-typedef enum cloth_effect_wish { CLOTH_EFFECT_AUTO, CLOTH_EFFECT_ON, CLOTH_EFFECT_OFF } cloth_effect_wish;
+typedef enum cloth_effect_wish {
+  CLOTH_EFFECT_AUTO,
+  CLOTH_EFFECT_ON,
+  CLOTH_EFFECT_OFF
+} cloth_effect_wish;
 
 struct cloth_def {
   char name[64];
   cloth_params params;
-  char backend[16];           // "auto", "cpu", "shuffle", later "cuda"
-  char precision[8];          // "float", "double"
-  int device_count;           // parts; at least 1
+  char backend[16];              // "auto", "cpu", "shuffle", later "cuda"
+  char precision[8];             // "float", "double"
+  int device_count;              // parts; at least 1
   int device[CLOTH_DEVICES_MAX]; // backend's index of each part's device
   struct {
     char name[32];
     cloth_effect_wish wish;
   } effect[CLOTH_EFFECTS_MAX]; // wishes of the file; an effect that is not listed is auto
   int effect_count;
-  double duration;            // s, for `cloth run`; 0: not given
+  double duration; // s, for `cloth run`; 0: not given
   int cloth_count, body_count, pin_count;
   cloth_cloth_def *cloth;
   cloth_body_def *body;
@@ -104,7 +110,8 @@ bool cloth_motion_moves(const cloth_motion *m);
 int cloth_def_find_cloth(const cloth_def *def, const char *name);
 int cloth_def_find_body(const cloth_def *def, const char *name);
 
-/// Give the quaternion length 1. CLOTH_BAD_SCENE: not finite, or its length is not within 10 % of 1.
+/// Give the quaternion length 1. CLOTH_BAD_SCENE: not finite, or its length is not within 10 %
+/// of 1.
 cloth_status cloth_pose_normalise(cloth_pose *pose, cloth_error *err);
 
 /// The arrays of a motion, not the struct; an array of groups with all that is in it.

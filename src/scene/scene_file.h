@@ -1,0 +1,50 @@
+// What the readers of scene files share; doc/scene_file.md is the format.
+#pragma once
+
+#include "scene/def.h"
+#include "scene/mesh.h"
+#include "scene/yaml.h"
+
+typedef struct cloth_named_material {
+  const char *name; // borrowed from the file
+  cloth_material material;
+} cloth_named_material;
+
+typedef struct cloth_materials {
+  int count;
+  cloth_named_material *item;
+} cloth_materials;
+
+/// Set the entry of a table that the value's key names.
+cloth_status cloth_read_setting(cloth_value at, const cloth_param_info *table, void *base,
+                                cloth_error *err);
+
+/// `materials:`; free(out->item) after use, also after a failure.
+cloth_status cloth_read_materials(cloth_value at, cloth_materials *out, cloth_error *err);
+
+/// The keys position and rotation or rpy of a mapping, where it has them; the rest of *pose stays.
+cloth_status cloth_read_pose(cloth_value mapping, cloth_pose *pose, cloth_error *err);
+
+/// `motion:`; keys leave out what they share with the key before, the first with `start`.
+/// out is to be freed (cloth_motion_free), also after a failure.
+cloth_status cloth_read_motion(cloth_value at, const cloth_pose *start, cloth_motion *out,
+                               cloth_error *err);
+
+/// a b: first b, then a.
+cloth_pose cloth_pose_product(const cloth_pose *a, const cloth_pose *b);
+
+/// The mesh of `mesh: FILE`.
+cloth_status cloth_read_mesh_file(cloth_value at, cloth_mesh_file *out, cloth_error *err);
+
+/// `scale:` applied to the positions; a mirrored mesh is turned over, so that outside stays
+/// outside.
+cloth_status cloth_read_scale(cloth_value mapping, cloth_mesh *mesh, cloth_error *err);
+
+/// `groups:` of a cloth: add to what the mesh file brought.
+cloth_status cloth_read_groups(cloth_value at, bool is_grid, cloth_mesh_file *file,
+                               cloth_error *err);
+
+/// One item of `bodies:`, of `cloths:` with its pins (the bodies are there by then).
+cloth_status cloth_read_body(cloth_value at, cloth_def *def, cloth_error *err);
+cloth_status cloth_read_cloth(cloth_value at, const cloth_materials *materials, cloth_def *def,
+                              cloth_error *err);

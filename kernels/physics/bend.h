@@ -37,8 +37,7 @@ typedef struct cloth_bend_args {
 // curvature kappa has D/2 kappa^2 per area. The hinge energy k' theta^2 l^2/(A0 + A1) gives D = 2
 // k' for cylinders of any direction on equilateral triangles, hence k = D l^2/(A0 + A1). On a grid
 // with all diagonals one way the same k is 1 + y + y^2 times as stiff, y = sin(2 phi), phi the
-// direction of curvature and 45 degrees that of the diagonal: 0.75 to 3. Unstructured meshes lie
-// between.
+// direction of curvature and 45 degrees that of the diagonal: 0.75 to 3.
 CLOTH_FN cloth_real cloth_bend_stiffness(cloth_real D, cloth_real l, cloth_real A0, cloth_real A1)
 {
   return D * l * l / (A0 + A1);

@@ -9,14 +9,16 @@
 // Pass positions relative to one of the points where they are float and far from the origin.
 //
 // Sources: C. Ericson, Real-Time Collision Detection, 2005, chapter 5.1 (regions); the interior
-// points come from normals instead of his dot products, which lose half the digits on slivers and
-// on edges that are nearly parallel.
+// points are found in other ways than his, which lose half the digits on slivers and on edges that
+// are nearly parallel.
 #pragma once
 
 #include "real.h"
 
 // v within [0, 1]; 0 for NaN
 CLOTH_FN cloth_real cloth_distance_clamp(cloth_real v) { return v > 0 ? (v < 1 ? v : 1) : 0; }
+
+CLOTH_FN cloth_real cloth_distance_length_sq(cloth_v3 v) { return cloth_v3_dot(v, v); }
 
 // Place of the point of edge x0 x1 nearest to v: 0 at x0, 1 at x1. An edge without extent gives 0.
 CLOTH_FN cloth_real cloth_distance_vertex_edge_place(cloth_v3 v, cloth_v3 x0, cloth_v3 x1)
@@ -50,19 +52,29 @@ CLOTH_FN cloth_real cloth_distance_vertex_face_sq(cloth_v3 v, cloth_v3 a, cloth_
   d = cloth_distance_vertex_point_sq(v, c, a, s);
   if (d < best) best = d, bary[0] = s, bary[1] = 0, bary[2] = 1 - s;
 
-  // above the inside: the three sub-triangles under v lie to the same side as the face
-  cloth_v3 va = cloth_v3_sub(a, v), vb = cloth_v3_sub(b, v), vc = cloth_v3_sub(c, v);
-  cloth_v3 n = cloth_v3_cross(cloth_v3_sub(b, a), cloth_v3_sub(c, a));
-  cloth_real wa = cloth_v3_dot(cloth_v3_cross(vb, vc), n),
-             wb = cloth_v3_dot(cloth_v3_cross(vc, va), n);
-  cloth_real wc = cloth_v3_dot(cloth_v3_cross(va, vb), n), sum = wa + wb + wc;
-  if (!(wa > 0 && wb > 0 && wc > 0)) return best;
-  wb /= sum, wc /= sum, wa = 1 - wb - wc;
-  wa = wa > 0 ? wa : 0;
-  cloth_v3 p = cloth_v3_add(cloth_v3_scale(wa, va),
-                            cloth_v3_add(cloth_v3_scale(wb, vb), cloth_v3_scale(wc, vc)));
-  d = cloth_v3_dot(p, p);
-  if (d < best) best = d, bary[0] = wa, bary[1] = wb, bary[2] = wc;
+  // The foot on the plane, from the longest edge: first along it, then what is left along the
+  // height. In this order a sliver, whose normal and whose weights are poorly known, loses nothing.
+  cloth_real ab = cloth_distance_length_sq(cloth_v3_sub(b, a)),
+             bc = cloth_distance_length_sq(cloth_v3_sub(c, b));
+  cloth_real ca = cloth_distance_length_sq(cloth_v3_sub(a, c));
+  int from = ab >= bc && ab >= ca ? 0 : bc >= ca ? 1 : 2;
+  cloth_real ee = from == 0 ? ab : from == 1 ? bc : ca;
+  cloth_v3 p0 = from == 0 ? a : from == 1 ? b : c, p1 = from == 0 ? b : from == 1 ? c : a;
+  cloth_v3 p2 = from == 0 ? c : from == 1 ? a : b;
+  cloth_v3 e = cloth_v3_sub(p1, p0), height = cloth_v3_sub(p2, p0), up = cloth_v3_sub(v, p0);
+  cloth_real shift = cloth_v3_dot(height, e) / ee, along = cloth_v3_dot(up, e) / ee;
+  height = cloth_v3_add_scaled(height, -shift, e), up = cloth_v3_add_scaled(up, -along, e);
+  cloth_real w2 = cloth_v3_dot(up, height) / cloth_v3_dot(height, height);
+  cloth_real w1 = along - w2 * shift, w0 = 1 - w1 - w2;
+  if (!(w0 > 0 && w1 > 0 && w2 > 0)) return best; // outside, or no face (NaN)
+  up = cloth_v3_add_scaled(up, -w2, height);
+  d = cloth_v3_dot(up, up);
+  if (d < best) {
+    best = d;
+    bary[0] = from == 0 ? w0 : from == 1 ? w2 : w1;
+    bary[1] = from == 0 ? w1 : from == 1 ? w0 : w2;
+    bary[2] = from == 0 ? w2 : from == 1 ? w1 : w0;
+  }
   return best;
 }
 

@@ -1,0 +1,12 @@
+# bullet_cloth: Bullet's soft body on our bench scenes, for orientation; where Bullet is installed.
+find_package(PkgConfig QUIET)
+if(PkgConfig_FOUND)
+  pkg_check_modules(BULLET QUIET IMPORTED_TARGET bullet)
+endif()
+if(BULLET_FOUND)
+  add_executable(bullet_cloth ${CMAKE_CURRENT_LIST_DIR}/bullet_cloth.cpp)
+  target_link_libraries(bullet_cloth PRIVATE PkgConfig::BULLET)
+  target_compile_options(bullet_cloth PRIVATE -O3)
+else()
+  message(STATUS "Bullet not found: no bullet_cloth (Debian: libbullet-dev)")
+endif()

@@ -1,0 +1,51 @@
+# The front door of robot_cloth; `make help` lists what there is. Everything here calls cmake, ctest and
+# roslaunch, which work just as well without it.
+SHELL := /bin/bash
+# ROS needs the system's python: keep a pyenv's or conda's behind it
+export PATH := /usr/bin:/bin:$(PATH)
+
+BUILD ?= build
+JOBS ?= $(shell nproc)
+PYTHON := /usr/bin/python3
+CMAKE_OPTIONS ?=
+# only where the build folder is new: a generator cannot be changed later
+GENERATOR := $(if $(wildcard $(BUILD)/CMakeCache.txt),,$(if $(shell command -v ninja),-G Ninja))
+SANITIZE_GENERATOR := $(if $(wildcard $(BUILD)/sanitize/CMakeCache.txt),,$(if $(shell command -v ninja),-G Ninja))
+
+.PHONY: help demo picture test bench install-packages build build-tests build-sanitize clean
+
+help:             ## this list
+	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 26
+
+demo: build       ## install what is missing, build, and let the robot fold a towel (RViz if there is a display)
+	src/demo/with_ros.sh $(BUILD) roslaunch robot_cloth fold.launch $(DEMO)
+
+picture: build    ## render the demo in RViz without a display: $(BUILD)/pictures/*.png
+	src/demo/picture.sh $(BUILD) $(BUILD)/pictures
+
+test: build-tests build-sanitize ## build and run every test; closes with "N passed, N failed"
+	$(PYTHON) test/run_tests.py $(BUILD) $(BUILD)/sanitize
+
+bench: build      ## median and spread per stage on the demo's scenes
+	test/bench/bench.sh $(BUILD)
+
+install-packages: ## install the Debian packages that are missing (root or sudo)
+	src/demo/install_packages.sh
+
+build: install-packages ## configure and build into $(BUILD)
+	cmake -S . -B $(BUILD) $(GENERATOR) -DPYTHON_EXECUTABLE=$(PYTHON) -DPython3_EXECUTABLE=$(PYTHON) $(CMAKE_OPTIONS)
+	cmake --build $(BUILD) -j $(JOBS)
+
+# gtest and rostest programs are built by catkin's target `tests` only
+build-tests: build
+	@if cmake --build $(BUILD) --target help | grep -qE '(^|[^a-z_])tests(:|$$)'; then \
+	  cmake --build $(BUILD) --target tests -j $(JOBS); fi
+
+# the unit tests again, under the address and undefined-behaviour sanitizers; ROS is not instrumented
+build-sanitize: install-packages
+	cmake -S . -B $(BUILD)/sanitize $(SANITIZE_GENERATOR) -DCMAKE_BUILD_TYPE=Debug -DCLOTH_ROS=OFF -DCLOTH_CUDA=OFF \
+	  -DCLOTH_SANITIZE=address,undefined -DPYTHON_EXECUTABLE=$(PYTHON) -DPython3_EXECUTABLE=$(PYTHON)
+	cmake --build $(BUILD)/sanitize -j $(JOBS)
+
+clean:            ## remove $(BUILD)
+	rm -rf $(BUILD)

@@ -285,7 +285,7 @@ void FclCheck::moveCloth(int cloth, const double *position, int count)
 int FclCheck::bodyCount() const { return static_cast<int>(impl_->body.size()); }
 int FclCheck::clothCount() const { return static_cast<int>(impl_->cloth.size()); }
 
-CrossCheck FclCheck::compare(double margin, double epsilon, const cloth_body_pair *candidates,
+PairComparison FclCheck::compare(double margin, double epsilon, const cloth_body_pair *candidates,
                              int count, int missed_max) const
 {
   if (!(margin >= 0 && margin <= .1))
@@ -304,7 +304,7 @@ CrossCheck FclCheck::compare(double margin, double epsilon, const cloth_body_pai
   std::sort(offered.begin(), offered.end(), before);
   offered.erase(std::unique(offered.begin(), offered.end(), same), offered.end());
 
-  CrossCheck out;
+  PairComparison out;
   out.margin = margin;
   out.candidates = static_cast<int64_t>(offered.size());
   std::vector<std::vector<char>> flat_cloth;

@@ -22,8 +22,8 @@ struct MissedPair {
   double distance; // m, by FCL
 };
 
-/// The engine's candidates against FCL's truth.
-struct CrossCheck {
+/// The engine's candidates against FCL's truth. (Not CrossCheck: that is the message.)
+struct PairComparison {
   double margin = 0;              // m
   int64_t truth = 0;              // pairs closer than margin, by FCL
   int64_t candidates = 0;         // pairs offered by the engine, each counted once
@@ -86,7 +86,7 @@ public:
   /// epsilon     m: a pair in [margin - epsilon, margin) may be missing, since the engine may
   ///             compute in float: take 1e-6 of the size of the scene for float, 1e-12 for double
   /// candidates  [count]; any order, repeated ones count once; ids out of range throw
-  CrossCheck compare(double margin, double epsilon, const cloth_body_pair *candidates, int count,
+  PairComparison compare(double margin, double epsilon, const cloth_body_pair *candidates, int count,
                      int missed_max = 16) const;
 
   /// All intersecting triangle pairs, cloth with itself and other cloths, cloth with bodies.

@@ -50,6 +50,13 @@ static cloth_status set_devices(cloth_def *def, const char *value, cloth_error *
   return CLOTH_OK;
 }
 
+enum {
+#define CLOTH_EFFECT(name) COUNT_##name,
+#include "effect/effects.inl"
+  EFFECT_COUNT
+};
+_Static_assert((int)EFFECT_COUNT <= (int)CLOTH_EFFECTS_MAX, "each effect has room for a wish");
+
 static bool is_one_of(const char *value, const char *const *words)
 {
   for (; *words; words++)
@@ -71,16 +78,17 @@ static cloth_status set_effect(cloth_def *def, const char *name, const char *val
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "effects.%s = '%s' is not one of auto, on, off", name,
                value);
 
-  size_t length = strlen(name);
-  if (length == 0 || length >= sizeof def->effect[0].name ||
-      strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_") != length)
-    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "effects.%s: '%s' is not the name of an effect", name,
-               name);
+  static const char *const known[] = {
+#define CLOTH_EFFECT(name) #name,
+#include "effect/effects.inl"
+      NULL};
+  const char *best = NULL;
+  for (const char *const *effect = known; *effect; effect++) cloth_nearest(name, *effect, &best);
+  if (strcmp(best, name) != 0)
+    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "effects.%s: unknown effect; the nearest is '%s'", name,
+               best);
   int i = 0;
   while (i < def->effect_count && strcmp(def->effect[i].name, name) != 0) i++;
-  if (i == CLOTH_EFFECTS_MAX)
-    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "effects.%s: more than %d effects", name,
-               (int)CLOTH_EFFECTS_MAX);
   if (i == def->effect_count) def->effect_count++;
   snprintf(def->effect[i].name, sizeof def->effect[i].name, "%s", name);
   def->effect[i].wish = wish;

@@ -22,8 +22,7 @@ struct cloth_recorder {
   char path[PATH_SIZE];
 };
 
-// ---- writing
-// --------------------------------------------------------------------------------------
+// ---- writing -----------------------------------------------------------------------------------
 
 static void break_off(cloth_recorder *r)
 {
@@ -50,8 +49,7 @@ static void put_pose(cloth_recorder *r, const cloth_pose *p)
       p->rotation[1], p->rotation[2], p->rotation[3]);
 }
 
-// ---- hooks
-// ----------------------------------------------------------------------------------------
+// ---- hooks -------------------------------------------------------------------------------------
 
 void cloth_record_step_begin(cloth_recorder *r, double h)
 {
@@ -154,8 +152,7 @@ void cloth_record_reset(cloth_recorder *r)
   if (r) put(r, "reset\n");
 }
 
-// ---- open, close
-// ----------------------------------------------------------------------------------
+// ---- open, close -------------------------------------------------------------------------------
 
 static cloth_status put_heading(cloth_recorder *r, const cloth_record_subject *s, cloth_error *err)
 {

@@ -23,8 +23,7 @@ cloth_status cloth_recorder_open(const cloth_record_subject *subject, const char
 /// End a recording and free the recorder. NULL is allowed. CLOTH_IO: it had broken off.
 cloth_status cloth_recorder_close(cloth_recorder *r, cloth_error *err);
 
-// ---- hooks
-// ---------------------------------------------------------------------------------------- Call
+// ---- hooks Call --------------------------------------------------------------------------------
 // each after the call it records has succeeded, but step_begin before the step: a recording of a
 // step that crashes must hold that step.
 
@@ -41,8 +40,7 @@ void cloth_record_state_set(cloth_recorder *r, int cloth, const double *position
 void cloth_record_state_load(cloth_recorder *r, cloth_scene *scene);
 void cloth_record_reset(cloth_recorder *r);
 
-// ---- replay
-// ---------------------------------------------------------------------------------------
+// ---- replay ------------------------------------------------------------------------------------
 
 /// cloth_replay() for a scene of which the subject is known.
 /// CLOTH_BAD_STATE: the recording is of another scene, or a step differs; CLOTH_IO: it cannot be

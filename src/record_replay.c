@@ -28,10 +28,13 @@ typedef struct replay {
   cloth_status was; // its status
   bool stepped;     // its line with hash or failure has not come yet
   cloth_error step_error;
+  int grasp_count, grasp_room;
+  struct replay_grasp {
+    cloth_grasp_id recorded, mine;
+  } * grasp; // [grasp_count] handles may differ: those of a scene that was reset count on
 } replay;
 
-// ---- reading
-// --------------------------------------------------------------------------------------
+// ---- reading -----------------------------------------------------------------------------------
 
 static bool next_line(replay *r)
 {
@@ -72,14 +75,19 @@ static cloth_status read_int(replay *r, int *out, cloth_error *err)
   return CLOTH_OK;
 }
 
-static cloth_status read_hash(replay *r, uint64_t *out, cloth_error *err)
+static cloth_status read_unsigned(replay *r, int base, uint64_t *out, cloth_error *err)
 {
   char *end;
   errno = 0;
-  *out = strtoull(r->at, &end, 16);
-  if (end == r->at || errno) return damaged(r, "a hash", err);
+  *out = strtoull(r->at, &end, base);
+  if (end == r->at || errno) return damaged(r, base == 16 ? "a hash" : "a number", err);
   r->at = end;
   return CLOTH_OK;
+}
+
+static cloth_status read_hash(replay *r, uint64_t *out, cloth_error *err)
+{
+  return read_unsigned(r, 16, out, err);
 }
 
 static cloth_status read_pose(replay *r, cloth_pose *out, cloth_error *err)
@@ -100,12 +108,40 @@ static cloth_status read_list(replay *r, int *count, int **out, cloth_error *err
   return CLOTH_OK;
 }
 
+static cloth_status read_handle(replay *r, cloth_grasp_id *out, cloth_error *err)
+{
+  uint64_t generation;
+  CLOTH_TRY(read_int(r, &out->index1, err));
+  CLOTH_TRY(read_unsigned(r, 10, &generation, err));
+  out->generation = (unsigned)generation;
+  return CLOTH_OK;
+}
+
+// The grasp of this scene that a recorded handle means; one that came with a state file keeps its
+// own.
 static cloth_status read_grasp_id(replay *r, cloth_grasp_id *out, cloth_error *err)
 {
-  int generation;
-  CLOTH_TRY(read_int(r, &out->index1, err));
-  CLOTH_TRY(read_int(r, &generation, err));
-  out->generation = (unsigned)generation;
+  CLOTH_TRY(read_handle(r, out, err));
+  for (int i = r->grasp_count - 1; i >= 0; i--)
+    if (r->grasp[i].recorded.index1 == out->index1 &&
+        r->grasp[i].recorded.generation == out->generation) {
+      *out = r->grasp[i].mine;
+      break;
+    }
+  return CLOTH_OK;
+}
+
+static cloth_status remember_grasp(replay *r, cloth_grasp_id recorded, cloth_grasp_id mine,
+                                   cloth_error *err)
+{
+  if (r->grasp_count == r->grasp_room) {
+    int room = 2 * r->grasp_room + 16;
+    void *more = realloc(r->grasp, (size_t)room * sizeof *r->grasp);
+    if (!more) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for %d grasps", room);
+    r->grasp = more;
+    r->grasp_room = room;
+  }
+  r->grasp[r->grasp_count++] = (struct replay_grasp){recorded, mine};
   return CLOTH_OK;
 }
 
@@ -118,8 +154,7 @@ static cloth_status played(replay *r, cloth_status status, const cloth_error *ca
              r->path, r->number, r->line, cause->text);
 }
 
-// ---- heading
-// --------------------------------------------------------------------------------------
+// ---- heading -----------------------------------------------------------------------------------
 
 static cloth_status on_precision(replay *r, cloth_error *err)
 {
@@ -179,8 +214,7 @@ static cloth_status on_start(replay *r, cloth_error *err)
   return CLOTH_OK;
 }
 
-// ---- calls
-// ----------------------------------------------------------------------------------------
+// ---- calls -------------------------------------------------------------------------------------
 
 static cloth_status on_load(replay *r, cloth_error *err)
 {
@@ -212,7 +246,7 @@ static cloth_status on_grasp(replay *r, cloth_error *err)
   cloth_grasp_view g = {0};
   cloth_error cause = {0};
   int *vertex = NULL, *ignore = NULL;
-  CLOTH_TRY(read_grasp_id(r, &recorded, err));
+  CLOTH_TRY(read_handle(r, &recorded, err));
   CLOTH_TRY(read_int(r, &g.cloth, err));
   CLOTH_TRY(read_int(r, &g.body, err));
   CLOTH_TRY(read_number(r, &g.stiffness, err));
@@ -223,11 +257,7 @@ static cloth_status on_grasp(replay *r, cloth_error *err)
   g.vertex = vertex;
   g.ignore_body = ignore;
   CLOTH_TRY_GOTO(played(r, cloth_grasp(r->scene, &g, &mine, &cause), &cause, err), status, done);
-  // later lines name the grasp by its handle
-  if (mine.index1 != recorded.index1 || mine.generation != recorded.generation)
-    status = cloth_fail(err, CLOTH_BAD_STATE, __FILE__, __LINE__,
-                        "%s:%ld: the grasp is %d.%u here and was %d.%u", r->path, r->number,
-                        mine.index1, mine.generation, recorded.index1, recorded.generation);
+  status = remember_grasp(r, recorded, mine, err); // later lines name it by its handle
 done:
   free(vertex);
   free(ignore);
@@ -336,8 +366,7 @@ static cloth_status on_end(replay *r, cloth_error *err)
   return CLOTH_OK;
 }
 
-// ---- the file
-// -------------------------------------------------------------------------------------
+// ---- the file ----------------------------------------------------------------------------------
 
 static const struct {
   const char *word;
@@ -396,6 +425,7 @@ cloth_status cloth_record_replay(const cloth_record_subject *subject, const char
         cloth_fail(err, r.was, __FILE__, __LINE__, "%s:%ld: %s", path, r.number, r.step_error.text);
   if (steps) *steps = r.steps;
   free(r.line);
+  free(r.grasp);
   if (r.c != (locale_t)0) freelocale(r.c);
   fclose(r.file);
   return status;

@@ -137,8 +137,7 @@ bool meet_in_cloth(const Face &a, const Face &b)
   }
 }
 
-// ---- a piece of cloth inside a body
-// ----------------------------------------------------------------
+// ---- a piece of cloth inside a body ------------------------------------------------------------
 
 bool closed_surface(const Mesh &mesh, Surface *out)
 {
@@ -204,8 +203,7 @@ void find_inside(const std::vector<Mesh> &cloths, const std::vector<Mesh> &bodie
   }
 }
 
-// ---- reading
-// ----------------------------------------------------------------------------------------
+// ---- reading -----------------------------------------------------------------------------------
 
 [[noreturn]] void refuse(const std::string &path, int line, const char *what)
 {

@@ -31,21 +31,26 @@ struct Totals {
   double slowest_ms = 0, ms = 0;
 };
 
-// the first line says what the file is: "# cloth NAME step N" or "# body NAME step N"
-std::string kind_of(const std::string &path)
+// meshes.csv: kind,file,name; NAME_STEP.obj begins with `file`
+std::map<std::string, std::string> kinds_of(const std::string &dir)
 {
+  std::string path = dir + "/meshes.csv", text;
   std::ifstream in(path);
-  std::string hash, kind;
-  in >> hash >> kind;
-  if (hash != "#" || (kind != "cloth" && kind != "body"))
-    throw std::runtime_error(path + ":1: does not say whether it is a cloth or a body; use --cloth "
-                                    "and --body with files of another origin");
-  return kind;
+  if (!in) throw std::runtime_error(path + ": cannot read it; is this the --out of cloth run?");
+  std::map<std::string, std::string> kinds;
+  std::getline(in, text); // heading
+  while (std::getline(in, text)) {
+    size_t first = text.find(','), second = text.find(',', first + 1);
+    if (second == std::string::npos) throw std::runtime_error(path + ": broken line: " + text);
+    kinds[text.substr(first + 1, second - first - 1)] = text.substr(0, first);
+  }
+  return kinds;
 }
 
 // NAME_000123.obj by step
 std::map<long, Files> files_of(const std::string &dir)
 {
+  std::map<std::string, std::string> kinds = kinds_of(dir);
   std::map<long, Files> steps;
   std::vector<std::string> paths;
   for (const auto &entry : std::filesystem::directory_iterator(dir))
@@ -53,12 +58,20 @@ std::map<long, Files> files_of(const std::string &dir)
   std::sort(paths.begin(), paths.end());
   for (const std::string &path : paths) {
     std::string stem = std::filesystem::path(path).stem().string();
-    size_t digits = stem.find_last_not_of("0123456789");
-    if (digits == std::string::npos || stem[digits] != '_' || digits + 1 == stem.size()) continue;
-    Files &files = steps[std::atol(stem.c_str() + digits + 1)];
-    (kind_of(path) == "cloth" ? files.cloth : files.body).push_back(path);
+    size_t end = stem.rfind('_');
+    auto kind = kinds.find(stem.substr(0, end == std::string::npos ? 0 : end));
+    if (kind == kinds.end())
+      throw std::runtime_error(path + ": meshes.csv does not say what this is");
+    Files &files = steps[std::atol(stem.c_str() + end + 1)];
+    (kind->second == "cloth" ? files.cloth : files.body).push_back(path);
   }
   if (steps.empty()) throw std::runtime_error(dir + ": no NAME_STEP.obj in it");
+  // a step with a mesh missing would be checked without it, and look clean
+  for (const auto &step : steps)
+    if (step.second.cloth.size() + step.second.body.size() != kinds.size())
+      throw std::runtime_error(dir + ": step " + std::to_string(step.first) + " has " +
+                               std::to_string(step.second.cloth.size() + step.second.body.size()) +
+                               " meshes of " + std::to_string(kinds.size()));
   return steps;
 }
 

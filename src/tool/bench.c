@@ -38,8 +38,7 @@ typedef struct figures {
   double time_step;                                                     // s
 } figures;
 
-// ---- timing
-// ---------------------------------------------------------------------------------------
+// ---- timing ------------------------------------------------------------------------------------
 
 static void count(figures *f, const cloth_step_report *r, double share)
 {
@@ -97,8 +96,7 @@ done:
   return status;
 }
 
-// ---- tables
-// ---------------------------------------------------------------------------------------
+// ---- tables ------------------------------------------------------------------------------------
 
 static int compare_numbers(const void *a, const void *b)
 {
@@ -168,8 +166,7 @@ static void print_figures(const bench *b, const cloth_def *def, const char *name
   printf("\n");
 }
 
-// ---- the command
-// ----------------------------------------------------------------------------------
+// ---- the command -------------------------------------------------------------------------------
 
 // the scene's file name without directory and ending, as tables show it
 static void name_of(const char *path, char *out, size_t size)

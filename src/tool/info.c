@@ -8,8 +8,7 @@
 
 static const tool_option options[] = {{NULL, NULL, NULL}};
 
-// ---- meshes
-// ---------------------------------------------------------------------------------------
+// ---- meshes ------------------------------------------------------------------------------------
 
 typedef struct mesh_figures {
   double area;                             // m^2
@@ -59,6 +58,21 @@ static void print_material(const cloth_material *m)
   }
 }
 
+static void print_repairs(const cloth_mesh_repairs *r)
+{
+  const struct {
+    int count;
+    const char *what;
+  } repair[] = {{r->zero_area, "triangles without area dropped"},
+                {r->duplicate, "repeated triangles dropped"},
+                {r->non_manifold, "third triangles on an edge dropped"},
+                {r->flipped, "triangles turned over"},
+                {r->flattened, "triangles flattened anew in material space"},
+                {r->unreferenced, "unused vertices dropped"}};
+  for (size_t i = 0; i < sizeof repair / sizeof repair[0]; i++)
+    if (repair[i].count) printf("  repaired: %d %s\n", repair[i].count, repair[i].what);
+}
+
 static void print_cloth(const cloth_cloth_def *c)
 {
   mesh_figures f = measure(&c->mesh);
@@ -67,6 +81,7 @@ static void print_cloth(const cloth_cloth_def *c)
          c->mesh.triangle_count, f.area, f.area * c->material.density);
   printf("  edges at rest: shortest %.4g m, mean %.4g m, longest %.4g m\n", f.edge_least,
          f.edge_mean, f.edge_most);
+  print_repairs(&c->repairs);
   for (int i = 0; i < c->group_count; i++)
     printf("  group %s: %d vertices\n", c->group[i].name, c->group[i].count);
   printf("  material %s\n", c->material_name ? c->material_name : "(unnamed)");
@@ -85,12 +100,12 @@ static void print_body(const cloth_body_def *b)
     printf("  edges: shortest %.4g m, mean %.4g m, longest %.4g m\n", f.edge_least, f.edge_mean,
            f.edge_most);
   }
+  print_repairs(&b->repairs);
   printf("  friction %.6g, %s\n", b->friction,
          cloth_motion_moves(&b->motion) ? "moves by itself" : "moves as told");
 }
 
-// ---- parameters
-// -----------------------------------------------------------------------------------
+// ---- parameters --------------------------------------------------------------------------------
 
 static void print_params(const cloth_params *params)
 {
@@ -117,8 +132,7 @@ static void print_params(const cloth_params *params)
   if (!count) printf("  none\n");
 }
 
-// ---- effects
-// --------------------------------------------------------------------------------------
+// ---- effects -----------------------------------------------------------------------------------
 
 static cloth_status print_effects(const cloth_scene *scene, cloth_error *err)
 {

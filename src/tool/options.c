@@ -18,8 +18,7 @@ const tool_option tool_scene_options[] = {
     {NULL, NULL, NULL},
 };
 
-// ---- parsing
-// --------------------------------------------------------------------------------------
+// ---- parsing -----------------------------------------------------------------------------------
 
 // option i of a subcommand: its own, then those of scenes
 static const tool_option *option_at(const tool_command *c, int i)
@@ -122,8 +121,7 @@ bool tool_is_near(const char *wrong, const char *name)
   return name && cloth_edit_distance(wrong, name) <= 1 + (int)strlen(wrong) / 3;
 }
 
-// ---- values
-// ---------------------------------------------------------------------------------------
+// ---- values ------------------------------------------------------------------------------------
 
 static const tool_given *last_given(const tool_arguments *args, const char *option)
 {

@@ -1,5 +1,7 @@
 #include "output.h"
 
+#include "scene/mesh.h"
+
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
@@ -19,8 +21,7 @@ struct tool_output {
   bool made;               // the directory was not there before
 };
 
-// ---- files
-// ----------------------------------------------------------------------------------------
+// ---- files -------------------------------------------------------------------------------------
 
 static void path_of(const tool_output *o, const char *file, const char *suffix, char out[PATH_SIZE])
 {
@@ -51,8 +52,7 @@ static cloth_status file_close(const tool_output *o, const char *file, FILE *f, 
   return CLOTH_OK;
 }
 
-// ---- directory
-// ------------------------------------------------------------------------------------
+// ---- directory ---------------------------------------------------------------------------------
 
 static cloth_status directory_make(const char *dir, cloth_error *err)
 {
@@ -78,7 +78,9 @@ static cloth_status directory_make(const char *dir, cloth_error *err)
 // is it a file that an earlier run of this scene wrote?
 static bool written_before(const tool_output *o, const char *file)
 {
-  if (strcmp(file, "report.csv") == 0 || strcmp(file, "report.csv.part") == 0) return true;
+  if (strcmp(file, "report.csv") == 0 || strcmp(file, "report.csv.part") == 0 ||
+      strcmp(file, "meshes.csv") == 0)
+    return true;
   for (int i = 0; i < o->cloth_count + o->body_count; i++) {
     size_t n = strlen(o->name[i]);
     if (strncmp(file, o->name[i], n) != 0 || file[n] != '_') continue;
@@ -115,8 +117,7 @@ static cloth_status directory_clear(const tool_output *o, bool force, cloth_erro
   return status;
 }
 
-// ---- names
-// ----------------------------------------------------------------------------------------
+// ---- names -------------------------------------------------------------------------------------
 
 // A name of a scene as a file name: links are called "left/finger". Equal ones get their index.
 static void names_make(tool_output *o, const cloth_scene *scene)
@@ -137,8 +138,20 @@ static void names_make(tool_output *o, const cloth_scene *scene)
   }
 }
 
-// ---- public
-// ---------------------------------------------------------------------------------------
+// meshes.csv: what each NAME of NAME_STEP.obj is
+static cloth_status index_write(const tool_output *o, const cloth_scene *scene, cloth_error *err)
+{
+  FILE *f;
+  CLOTH_TRY(file_open(o, "meshes.csv", &f, err));
+  fprintf(f, "kind,file,name\n");
+  for (int i = 0; i < o->cloth_count; i++)
+    fprintf(f, "cloth,%s,%s\n", o->name[i], cloth_name(scene, i));
+  for (int i = 0; i < o->body_count; i++)
+    fprintf(f, "body,%s,%s\n", o->name[o->cloth_count + i], cloth_body_name(scene, i));
+  return file_close(o, "meshes.csv", f, err);
+}
+
+// ---- public ------------------------------------------------------------------------------------
 
 static void output_free(tool_output *o)
 {
@@ -174,6 +187,7 @@ cloth_status tool_output_new(const char *dir, bool force, const cloth_scene *sce
   o->made = access(dir, F_OK) != 0;
   CLOTH_TRY_GOTO(directory_make(dir, err), status, fail);
   CLOTH_TRY_GOTO(directory_clear(o, force, err), status, fail);
+  CLOTH_TRY_GOTO(index_write(o, scene, err), status, fail);
   CLOTH_TRY_GOTO(file_open(o, "report.csv", &o->csv, err), status, fail);
   char row[ROW_SIZE];
   cloth_report_csv(NULL, row, sizeof row);
@@ -196,22 +210,14 @@ cloth_status tool_output_report(tool_output *o, const cloth_step_report *report,
   return CLOTH_OK;
 }
 
-// 17 digits: the checker must see the vertices that the engine had
-static cloth_status mesh_write(const tool_output *o, const char *name, const char *heading,
-                               int64_t step, const double *position, int vertex_count,
-                               const int *triangle, int triangle_count, cloth_error *err)
+static cloth_status mesh_write(const tool_output *o, int i, int64_t step, const double *position,
+                               int vertex_count, const int *triangle, int triangle_count,
+                               cloth_error *err)
 {
-  char file[NAME_SIZE + 32];
-  snprintf(file, sizeof file, "%s_%06lld.obj", name, (long long)step);
-  FILE *f;
-  CLOTH_TRY(file_open(o, file, &f, err));
-  fprintf(f, "# %s step %lld\n", heading, (long long)step);
-  for (int i = 0; i < vertex_count; i++)
-    fprintf(f, "v %.17g %.17g %.17g\n", position[3 * i], position[3 * i + 1], position[3 * i + 2]);
-  for (int i = 0; i < triangle_count; i++)
-    fprintf(f, "f %d %d %d\n", triangle[3 * i] + 1, triangle[3 * i + 1] + 1,
-            triangle[3 * i + 2] + 1);
-  return file_close(o, file, f, err);
+  char file[NAME_SIZE + 32], path[PATH_SIZE];
+  snprintf(file, sizeof file, "%s_%06lld.obj", o->name[i], (long long)step);
+  path_of(o, file, "", path);
+  return cloth_obj_write(path, vertex_count, position, triangle_count, triangle, err);
 }
 
 // p + q x q*, q unit
@@ -234,10 +240,8 @@ static cloth_status body_write(const tool_output *o, const cloth_scene *scene, i
   if (!position) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for %d vertices", mesh.vertex_count);
   for (int i = 0; i < mesh.vertex_count; i++)
     pose_apply(&pose, mesh.position + 3 * i, position + 3 * i);
-  char heading[256];
-  snprintf(heading, sizeof heading, "body %s", cloth_body_name(scene, body));
-  cloth_status status = mesh_write(o, o->name[o->cloth_count + body], heading, step, position,
-                                   mesh.vertex_count, mesh.triangle, mesh.triangle_count, err);
+  cloth_status status = mesh_write(o, o->cloth_count + body, step, position, mesh.vertex_count,
+                                   mesh.triangle, mesh.triangle_count, err);
   free(position);
   return status;
 }
@@ -247,10 +251,8 @@ cloth_status tool_output_meshes(tool_output *o, cloth_scene *scene, int64_t step
   for (int i = 0; i < o->cloth_count; i++) {
     int vertex_count = cloth_vertex_count(scene, i);
     CLOTH_TRY(cloth_positions(scene, i, o->position, vertex_count, err));
-    char heading[256];
-    snprintf(heading, sizeof heading, "cloth %s", cloth_name(scene, i));
-    CLOTH_TRY(mesh_write(o, o->name[i], heading, step, o->position, vertex_count,
-                         cloth_triangles(scene, i), cloth_triangle_count(scene, i), err));
+    CLOTH_TRY(mesh_write(o, i, step, o->position, vertex_count, cloth_triangles(scene, i),
+                         cloth_triangle_count(scene, i), err));
   }
   for (int i = 0; i < o->body_count; i++) CLOTH_TRY(body_write(o, scene, i, step, err));
   return CLOTH_OK;
@@ -270,6 +272,8 @@ void tool_output_abandon(tool_output *o)
   char part[PATH_SIZE];
   path_of(o, "report.csv", ".part", part);
   fclose(o->csv);
+  remove(part);
+  path_of(o, "meshes.csv", "", part);
   remove(part);
   if (o->made) rmdir(o->dir);
   output_free(o);

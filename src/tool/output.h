@@ -1,5 +1,6 @@
-// The files of `cloth run`: meshes and report.csv. Every file is written under a name that ends in
-// .part and renamed when it is complete, so that a reader never meets half of one.
+// The files of `cloth run`: meshes, meshes.csv (which is a cloth, which a body) and report.csv.
+// Every file is written under a name that ends in .part and renamed when it is complete, so that a
+// reader never meets half of one.
 #pragma once
 
 #include "tool.h"

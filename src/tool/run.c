@@ -45,8 +45,7 @@ static void catch_signals(void)
   sigaction(SIGTERM, &action, NULL);
 }
 
-// ---- how long
-// -------------------------------------------------------------------------------------
+// ---- how long ----------------------------------------------------------------------------------
 
 static cloth_status steps_wanted(const tool_arguments *args, cloth_def *def, int64_t *out,
                                  cloth_error *err)
@@ -65,8 +64,7 @@ static cloth_status steps_wanted(const tool_arguments *args, cloth_def *def, int
   return CLOTH_OK;
 }
 
-// ---- progress
-// -------------------------------------------------------------------------------------
+// ---- progress ----------------------------------------------------------------------------------
 
 typedef struct progress {
   bool on;
@@ -92,8 +90,7 @@ static void progress_end(const progress *p)
   if (p->on) fprintf(stderr, "\r\033[K");
 }
 
-// ---- the run
-// --------------------------------------------------------------------------------------
+// ---- the run -----------------------------------------------------------------------------------
 
 static void totals_add(totals *t, const cloth_step_report *r, double wall)
 {
@@ -179,8 +176,7 @@ static int run_end(run *r, cloth_status status)
   return TOOL_DONE;
 }
 
-// ---- set-up
-// ---------------------------------------------------------------------------------------
+// ---- set-up ------------------------------------------------------------------------------------
 
 static cloth_status check_usage(const tool_arguments *args, run *r, cloth_error *err)
 {

@@ -51,8 +51,7 @@ struct tool_arguments {
   bool help;            // --help was among them
 };
 
-// ---- options.c
-// ------------------------------------------------------------------------------------
+// ---- options.c ---------------------------------------------------------------------------------
 
 /// Options of every subcommand that loads a scene: --backend, --devices, --precision, ...
 extern const tool_option tool_scene_options[];
@@ -78,8 +77,7 @@ bool tool_is_near(const char *wrong, const char *name);
 /// The exit code of a refused or failed set-up.
 int tool_exit_code(cloth_status status);
 
-// ---- scene.c
-// --------------------------------------------------------------------------------------
+// ---- scene.c -----------------------------------------------------------------------------------
 
 /// Load a scene file and apply the scene options of the command line to it.
 cloth_status tool_scene_load(const tool_arguments *args, const char *path, cloth_def **out,
@@ -91,7 +89,6 @@ double tool_clock(void);
 /// A size in bytes as text, e.g. "1.5 MiB".
 const char *tool_bytes(uint64_t bytes, char out[32]);
 
-// ---- the subcommands
-// ------------------------------------------------------------------------------
+// ---- the subcommands ---------------------------------------------------------------------------
 
 extern const tool_command tool_run, tool_info, tool_replay, tool_bench, tool_params;

@@ -82,7 +82,10 @@ struct Mesh {
   }
 
   // FCL's "replace", not its "update": that one keeps the previous positions too and bounds the
-  // sweep from there, for continuous collision. The local AABB does not follow by itself.
+  // sweep from there, for continuous collision. And every node fitted to its own vertices ("top
+  // down"), not to its two children: the union of two boxes in FCL 0.7 (merge_smalldist in
+  // OBB-inl.h) looks at a corner for the minimum only if it did not raise the maximum, so the union
+  // may leave out a corner, and triangles with it. The local AABB does not follow by itself.
   void refit(std::vector<Eigen::Vector3d> &&position)
   {
     local = std::move(position);
@@ -90,7 +93,7 @@ struct Mesh {
     if (!tree) return;
     tree->beginReplaceModel();
     tree->replaceSubModel(local);
-    tree->endReplaceModel(true, true);
+    tree->endReplaceModel(true, false);
     tree->computeLocalAABB();
   }
 
@@ -286,7 +289,7 @@ int FclCheck::bodyCount() const { return static_cast<int>(impl_->body.size()); }
 int FclCheck::clothCount() const { return static_cast<int>(impl_->cloth.size()); }
 
 PairComparison FclCheck::compare(double margin, double epsilon, const cloth_body_pair *candidates,
-                             int count, int missed_max) const
+                                 int count, int missed_max) const
 {
   if (!(margin >= 0 && margin <= .1))
     refuse("margin " + std::to_string(margin) + " m is outside [0, 0.1]");

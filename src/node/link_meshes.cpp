@@ -8,9 +8,12 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <resource_retriever/retriever.h>
 #include <set>
+#include <sstream>
 #include <tinyxml2.h>
 #include <unordered_map>
 
@@ -57,22 +60,54 @@ std::string extension(const std::string &uri)
   return ext;
 }
 
-resource_retriever::MemoryResource fetch(const std::string &uri)
+// rospack finds only folders with a package.xml. Robot descriptions are also handed around as bare
+// folders; one with the package's name on ROS_PACKAGE_PATH is taken then. Empty: there is none.
+std::string findByFolderName(const std::string &uri)
+{
+  const size_t begin = std::strlen("package://"), slash = uri.find('/', begin);
+  const char *paths = std::getenv("ROS_PACKAGE_PATH");
+  if (slash == std::string::npos || !paths) return "";
+  const std::string package = uri.substr(begin, slash - begin);
+  std::stringstream list(paths);
+  for (std::string entry; std::getline(list, entry, ':');) {
+    const std::filesystem::path folder = entry;
+    std::error_code ignored;
+    for (const std::filesystem::path &candidate : {folder / package, folder})
+      if (candidate.filename() == package && std::filesystem::is_directory(candidate, ignored))
+        return "file://" + candidate.string() + uri.substr(slash);
+  }
+  return "";
+}
+
+resource_retriever::MemoryResource get(const std::string &uri, std::string *error)
+{
+  try {
+    return resource_retriever::Retriever().get(encodeBlanks(uri));
+  } catch (const std::exception &e) {
+    *error = e.what();
+    return {};
+  }
+}
+
+resource_retriever::MemoryResource fetch(const std::string &uri, std::vector<std::string> *warnings)
 {
   const size_t scheme = uri.find("://");
   if (scheme == std::string::npos || scheme == 0)
     throw MeshError("mesh '" + uri +
                     "' is not a URI; write package://PACKAGE/PATH or file:///ABSOLUTE/PATH");
-  resource_retriever::MemoryResource res;
-  try {
-    resource_retriever::Retriever retriever;
-    res = retriever.get(encodeBlanks(uri));
-  } catch (const std::exception &e) {
-    const std::string hint = uri.compare(0, 10, "package://") == 0
-                                 ? "; is the package on ROS_PACKAGE_PATH and the file in it?"
-                                 : "; is the address right and readable?";
-    throw MeshError("mesh '" + uri + "' cannot be read: " + e.what() + hint);
+  const bool package = uri.compare(0, scheme, "package") == 0;
+  std::string error;
+  resource_retriever::MemoryResource res = get(uri, &error);
+  const std::string instead = package && !error.empty() ? findByFolderName(uri) : "";
+  if (!instead.empty()) {
+    error.clear();
+    res = get(instead, &error);
+    warnings->push_back("its package has no package.xml; read as '" + instead + "'");
   }
+  if (!error.empty())
+    throw MeshError("mesh '" + uri + "' cannot be read: " + error +
+                    (package ? "; is the package on ROS_PACKAGE_PATH and the file in it?"
+                             : "; is the address right and readable?"));
   // Also what the retriever answers for a directory: no exception, no bytes.
   if (res.size == 0)
     throw MeshError("mesh '" + uri + "' has no content: it is an empty file or a directory");
@@ -125,6 +160,17 @@ ColladaAsset readColladaAsset(const resource_retriever::MemoryResource &res, con
   return asset;
 }
 
+// assimp calls what it reads from memory by a name of its own, which says nothing to anybody.
+std::string withoutMagicName(std::string text)
+{
+  for (const char *name :
+       {" file \"$$$___magic___$$$", " for $$$___magic___$$$", "$$$___magic___$$$"}) {
+    const size_t at = text.find(name);
+    if (at != std::string::npos) return text.substr(0, at);
+  }
+  return text;
+}
+
 // ---- assimp -> soup ---------------------------------------------------------------------------
 
 Eigen::Matrix4d toEigen(const aiMatrix4x4 &m)
@@ -152,11 +198,12 @@ struct Collector {
     const Eigen::Affine3d affine(pose);
     for (unsigned i = 0; i < in.mNumVertices; i++) {
       const aiVector3D &p = in.mVertices[i];
-      const Eigen::Vector3d x = affine * Eigen::Vector3d(p.x, p.y, p.z);
+      const Eigen::Vector3d raw(p.x, p.y, p.z);
+      const Eigen::Vector3d x = affine * raw;
       if (!x.allFinite())
         throw MeshError("mesh '" + uri + "': vertex " + std::to_string(i) + " is (" +
-                        number(x.x()) + ", " + number(x.y()) + ", " + number(x.z()) +
-                        "), not finite");
+                        number(raw.x()) + ", " + number(raw.y()) + ", " + number(raw.z()) +
+                        "), not finite" + (raw.allFinite() ? " once placed and scaled" : ""));
       mesh.vertices.push_back(x);
     }
     for (unsigned f = 0; f < in.mNumFaces; f++) {
@@ -385,7 +432,8 @@ TriangleMesh loadMesh(const std::string &uri, const Eigen::Vector3d &scale,
   if (!scale.allFinite() || !(scale.cwiseAbs().minCoeff() > 0))
     throw MeshError("mesh '" + uri + "': scale (" + number(scale.x()) + ", " + number(scale.y()) +
                     ", " + number(scale.z()) + ") must be finite and not 0 on every axis");
-  const resource_retriever::MemoryResource res = fetch(uri);
+  MeshReport begun;
+  const resource_retriever::MemoryResource res = fetch(uri, &begun.warnings);
   const ColladaAsset asset = readColladaAsset(res, uri);
 
   Assimp::Importer importer;
@@ -397,9 +445,10 @@ TriangleMesh loadMesh(const std::string &uri, const Eigen::Vector3d &scale,
     throw MeshError("mesh '" + uri + "' cannot be understood: " + e.what());
   }
   if (!scene || !scene->mRootNode)
-    throw MeshError("mesh '" + uri + "' cannot be understood: " + importer.GetErrorString());
+    throw MeshError("mesh '" + uri +
+                    "' cannot be understood: " + withoutMagicName(importer.GetErrorString()));
 
-  Collector all{scene, options, uri, {}, {}};
+  Collector all{scene, options, uri, {}, begun};
   all.report.unit = options.collada_unit ? asset.unit : 1;
   if (!asset.warning.empty()) all.report.warnings.push_back(asset.warning);
   Eigen::Matrix4d above = Eigen::Matrix4d::Identity();

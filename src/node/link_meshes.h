@@ -77,7 +77,9 @@ TriangleMesh sphereMesh(double radius, int segments);
 
 /// Read a mesh file, weld equal vertices, drop degenerate triangles.
 ///
-/// uri     package://..., file:///..., http://...
+/// uri     package://..., file:///..., http://...; a package may also be a bare folder of its name
+/// on
+///         ROS_PACKAGE_PATH, without package.xml (reported as a warning)
 /// scale   per axis, each finite and not 0; a mirroring scale keeps the outside outside
 /// report  nullable
 ///

@@ -384,7 +384,23 @@ TEST(files, package_uris_are_resolved)
   write("robot_x/package.xml", "<package format=\"2\"><name>robot_x</name></package>");
   write("robot_x/t.stl", binaryStl(tetra(1, 2, 3)));
   setenv("ROS_PACKAGE_PATH", folder().c_str(), 1);
-  expectTetra(loadMesh("package://robot_x/t.stl", one), {1, 2, 3}, 6);
+  MeshReport report;
+  expectTetra(loadMesh("package://robot_x/t.stl", one, {}, &report), {1, 2, 3}, 6);
+  EXPECT_TRUE(report.warnings.empty());
+}
+
+TEST(files, a_package_may_be_a_bare_folder_of_its_name_and_that_is_reported)
+{
+  mkdir((folder() + "/bare").c_str(), 0755);
+  write("bare/t.stl", binaryStl(tetra(1, 2, 3)));
+  for (const std::string &path : {folder(), "/nowhere:" + folder() + "/bare"}) {
+    setenv("ROS_PACKAGE_PATH", path.c_str(), 1);
+    MeshReport report;
+    expectTetra(loadMesh("package://bare/t.stl", one, {}, &report), {1, 2, 3}, 6);
+    ASSERT_EQ(report.warnings.size(), 1u);
+    EXPECT_NE(report.warnings[0].find("package.xml"), std::string::npos);
+  }
+  EXPECT_NE(refusal("package://bare/nothing.stl").find("nothing.stl"), std::string::npos);
 }
 
 // ---- files that are not ----

@@ -52,7 +52,7 @@ until_ok() { # tries, command...: every fifth of a second
 # X server: it picks a free display number itself
 mkfifo "$log/number"
 exec 3<>"$log/number"
-bg xvfb Xvfb -displayfd 3 -screen 0 1400x900x24 +extension GLX +render -noreset -nolisten tcp
+bg xvfb Xvfb -displayfd 3 -screen 0 1920x1080x24 +extension GLX +render -noreset -nolisten tcp
 read -r -t 20 number <&3 || fail "Xvfb did not start" xvfb
 export DISPLAY=:$number
 export LIBGL_ALWAYS_SOFTWARE=1 GALLIUM_DRIVER=llvmpipe __GLX_VENDOR_LIBRARY_NAME=mesa
@@ -73,7 +73,18 @@ for moment in "${moments[@]}"; do
 done
 rosparam set /fold_motion/moments "{${yaml%, }}"
 bg fold roslaunch robot_cloth fold.launch gui:=false lockstep:=true stay:=true ${PICTURE_ARGS:-}
-bg rviz rviz -d "$here/../../config/rviz/fold.rviz" --no-stereo
+# the view alone, without docks, drawn as large as the screen
+python3 - "$here/../../config/rviz/fold.rviz" "$log/view.rviz" <<'PYTHON'
+import sys
+import yaml
+with open(sys.argv[1]) as source:
+    view = yaml.safe_load(source)
+view['Panels'] = []
+view['Window Geometry'] = dict(Width=1920, Height=1080, X=0, Y=0)
+with open(sys.argv[2], 'w') as out:
+    yaml.safe_dump(view, out)
+PYTHON
+bg rviz rviz -d "$log/view.rviz" --no-stereo
 until_ok 150 bash -c 'rostopic info /cloth/markers | grep -q /rviz' || fail "RViz does not listen" rviz
 
 moment_now() { timeout 5 rostopic echo -n 1 /fold_motion/moment/data 2>/dev/null | head -n 1 | tr -d '"'; }
@@ -87,7 +98,7 @@ for moment in "${moments[@]}"; do
   sleep "${SETTLE:-4}" # RViz draws what it has got
   kill -0 "${pids[3]}" 2>/dev/null || fail "RViz ended early" rviz
   import -window root "png:$log/shot.png" || fail "no screenshot" rviz
-  convert "$log/shot.png" -crop "${CROP:-1300x820+50+50}" +repage -strip "$out/$name.png"
+  convert "$log/shot.png" -crop "${CROP:-1720x940+100+80}" +repage -strip "$out/$name.png"
   echo "$out/$name.png"
   rosparam set /fold_motion/seen "$name"
 done

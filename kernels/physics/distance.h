@@ -18,8 +18,6 @@
 // v within [0, 1]; 0 for NaN
 CLOTH_FN cloth_real cloth_distance_clamp(cloth_real v) { return v > 0 ? (v < 1 ? v : 1) : 0; }
 
-CLOTH_FN cloth_real cloth_distance_length_sq(cloth_v3 v) { return cloth_v3_dot(v, v); }
-
 // Place of the point of edge x0 x1 nearest to v: 0 at x0, 1 at x1. An edge without extent gives 0.
 CLOTH_FN cloth_real cloth_distance_vertex_edge_place(cloth_v3 v, cloth_v3 x0, cloth_v3 x1)
 {
@@ -52,29 +50,18 @@ CLOTH_FN cloth_real cloth_distance_vertex_face_sq(cloth_v3 v, cloth_v3 a, cloth_
   d = cloth_distance_vertex_point_sq(v, c, a, s);
   if (d < best) best = d, bary[0] = s, bary[1] = 0, bary[2] = 1 - s;
 
-  // The foot on the plane, from the longest edge: first along it, then what is left along the
-  // height. In this order a sliver, whose normal and whose weights are poorly known, loses nothing.
-  cloth_real ab = cloth_distance_length_sq(cloth_v3_sub(b, a)),
-             bc = cloth_distance_length_sq(cloth_v3_sub(c, b));
-  cloth_real ca = cloth_distance_length_sq(cloth_v3_sub(a, c));
-  int from = ab >= bc && ab >= ca ? 0 : bc >= ca ? 1 : 2;
-  cloth_real ee = from == 0 ? ab : from == 1 ? bc : ca;
-  cloth_v3 p0 = from == 0 ? a : from == 1 ? b : c, p1 = from == 0 ? b : from == 1 ? c : a;
-  cloth_v3 p2 = from == 0 ? c : from == 1 ? a : b;
-  cloth_v3 e = cloth_v3_sub(p1, p0), height = cloth_v3_sub(p2, p0), up = cloth_v3_sub(v, p0);
+  // The foot on the plane: first along an edge, then what is left along the height. In this order a
+  // sliver, whose normal and whose weights are poorly known, loses nothing.
+  cloth_v3 e = cloth_v3_sub(b, a), height = cloth_v3_sub(c, a), up = cloth_v3_sub(v, a);
+  cloth_real ee = cloth_v3_dot(e, e);
   cloth_real shift = cloth_v3_dot(height, e) / ee, along = cloth_v3_dot(up, e) / ee;
   height = cloth_v3_add_scaled(height, -shift, e), up = cloth_v3_add_scaled(up, -along, e);
-  cloth_real w2 = cloth_v3_dot(up, height) / cloth_v3_dot(height, height);
-  cloth_real w1 = along - w2 * shift, w0 = 1 - w1 - w2;
-  if (!(w0 > 0 && w1 > 0 && w2 > 0)) return best; // outside, or no face (NaN)
-  up = cloth_v3_add_scaled(up, -w2, height);
+  cloth_real wc = cloth_v3_dot(up, height) / cloth_v3_dot(height, height);
+  cloth_real wb = along - wc * shift, wa = 1 - wb - wc;
+  if (!(wa > 0 && wb > 0 && wc > 0)) return best; // outside, or no face (NaN)
+  up = cloth_v3_add_scaled(up, -wc, height);
   d = cloth_v3_dot(up, up);
-  if (d < best) {
-    best = d;
-    bary[0] = from == 0 ? w0 : from == 1 ? w2 : w1;
-    bary[1] = from == 0 ? w1 : from == 1 ? w0 : w2;
-    bary[2] = from == 0 ? w2 : from == 1 ? w1 : w0;
-  }
+  if (d < best) best = d, bary[0] = wa, bary[1] = wb, bary[2] = wc;
   return best;
 }
 
@@ -83,8 +70,9 @@ CLOTH_FN cloth_real cloth_distance_vertex_face_sq(cloth_v3 v, cloth_v3 a, cloth_
 CLOTH_FN cloth_real cloth_distance_edge_edge_sq(cloth_v3 a0, cloth_v3 a1, cloth_v3 b0, cloth_v3 b1,
                                                 cloth_real *s, cloth_real *t)
 {
-  // where the lines pass each other; clamp there, then look from one edge to the other. Parallel:
-  // from anywhere, the same two looks end at the nearest points.
+  // Where the lines pass each other, clamped; then look from one edge to the other and back. With
+  // the normal instead of dot products, what rounding does to s near parallel moves along the edges
+  // only. Parallel: from anywhere, the same two looks end at the nearest points.
   cloth_v3 u = cloth_v3_sub(a1, a0), v = cloth_v3_sub(b1, b0), w = cloth_v3_sub(b0, a0);
   cloth_v3 n = cloth_v3_cross(u, v);
   cloth_real nn = cloth_v3_dot(n, n);
@@ -92,18 +80,5 @@ CLOTH_FN cloth_real cloth_distance_edge_edge_sq(cloth_v3 a0, cloth_v3 a1, cloth_
   *t = cloth_distance_vertex_edge_place(cloth_v3_add_scaled(a0, *s, u), b0, b1);
   *s = cloth_distance_vertex_edge_place(cloth_v3_add_scaled(b0, *t, v), a0, a1);
   cloth_v3 d = cloth_v3_sub(cloth_v3_add_scaled(w, *t, v), cloth_v3_scale(*s, u));
-  cloth_real best = cloth_v3_dot(d, d);
-
-  // the ends, for what rounding does to n when the edges are nearly parallel
-  for (int end = 0; end < 2; end++) {
-    cloth_v3 p = end ? a1 : a0;
-    cloth_real place = cloth_distance_vertex_edge_place(p, b0, b1);
-    cloth_real d_sq = cloth_distance_vertex_point_sq(p, b0, b1, place);
-    if (d_sq < best) best = d_sq, *s = (cloth_real)end, *t = place;
-    p = end ? b1 : b0;
-    place = cloth_distance_vertex_edge_place(p, a0, a1);
-    d_sq = cloth_distance_vertex_point_sq(p, a0, a1, place);
-    if (d_sq < best) best = d_sq, *s = place, *t = (cloth_real)end;
-  }
-  return best;
+  return cloth_v3_dot(d, d);
 }

@@ -187,13 +187,16 @@ static int degenerate_hinges_are_finite(void)
 static int angle_differences_take_the_short_way(void)
 {
   damping[0] = 0;
-  double x[12] = {-1, 0, 0, 1, 0, 0, 0, cos(3.0), sin(3.0), 0, -1, 0};
-  double now = angle(x), pi = acos(-1);
-  CHECK_NEAR(fabs(now), 3, tolerance);
-  rest_angle[0] = (cloth_real)-now;
-  result r = evaluate(x, x);
-  double moment = 3 * (2 * pi - 6) * (now > 0 ? -1 : 1);
-  for (int c = 0; c < 12; c++) CHECK_NEAR(r.force[c], -moment * r.gradient[c], 20 * tolerance);
+  for (int side = -1; side <= 1; side += 2) {
+    // one face towards -y, the other 3 rad away from +y
+    double x[12] = {-1, 0, 0, 1, 0, 0, 0, cos(3.0), side * sin(3.0), 0, -1, 0};
+    double now = angle(x), pi = acos(-1);
+    CHECK_NEAR(fabs(now), 3, tolerance);
+    rest_angle[0] = (cloth_real)-now;
+    result r = evaluate(x, x);
+    double moment = 3 * (2 * pi - 6) * (now > 0 ? -1 : 1);
+    for (int c = 0; c < 12; c++) CHECK_NEAR(r.force[c], -moment * r.gradient[c], 20 * tolerance);
+  }
   return 0;
 }
 

@@ -112,8 +112,12 @@ static void hard_points(int number, int split, point x[4])
     for (int p = 1; p < 4; p++)
       x[p] = plus_scaled(plus_scaled(x[0], test_random(), v), small, x[p]);
     break;
-  case 5:
+  case 5: // no extent in one direction, or a needle whose short side is any of the three
     x[3] = x[2];
+    if (number % 32 == 13) x[3] = plus_scaled(x[2], small, u);
+    if (number % 32 == 21) x[2] = plus_scaled(x[1], small, u);
+    if (number % 32 == 29) x[3] = plus_scaled(x[1], small, u);
+    if (number % 64 > 32) x[0] = plus_scaled(x[number % 3 + 1], small, v);
     break;
   case 6:
     x[3] = x[2], x[1] = split == 1 ? x[2] : x[0];
@@ -146,7 +150,7 @@ static int check_nearest(const point x[4], int split, const cloth_real w[4], clo
   CHECK_NEAR(sqrt((double)distance_sq), (double)oracle, rounding);
   CHECK_NEAR((double)length(d), (double)oracle, rounding);
 
-  // an error of eps in the points turns the plane by eps / distance
+  // an error of eps in the points turns the plane by eps / distance, more where a face is a sliver
   if ((double)oracle < 0.01) return 0;
   for (int i = 0; i < split; i++)
     for (int j = split; j < 4; j++)

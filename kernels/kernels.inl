@@ -17,6 +17,7 @@ CLOTH_KERNEL(bend)
 CLOTH_KERNEL(drag)
 
 // pairs
+CLOTH_KERNEL(box_chunk)
 CLOTH_KERNEL(vertex_box)
 CLOTH_KERNEL(vertex_escape)
 CLOTH_KERNEL(triangle_box)

@@ -1,13 +1,10 @@
 // Every element kernel's header, in the order of kernels.inl.
 #pragma once
 
-#include "bend.h"
-#include "drag.h"
-#include "membrane.h"
-#include "membrane_stretch.h"
-
 #include "assemble_row.h"
+#include "bend.h"
 #include "body_vertex.h"
+#include "box_chunk.h"
 #include "cell_count.h"
 #include "cell_fill.h"
 #include "commit_chunk.h"
@@ -19,10 +16,13 @@
 #include "contact_product.h"
 #include "contact_row.h"
 #include "correct.h"
+#include "drag.h"
 #include "entry_work.h"
 #include "hold.h"
 #include "impact_find.h"
 #include "impact_hold_back.h"
+#include "membrane.h"
+#include "membrane_stretch.h"
 #include "pair_large.h"
 #include "pair_share.h"
 #include "pcg_alpha.h"

@@ -1,7 +1,7 @@
 // Row i of the linear system A dx = b of one Newton iteration of backward Euler,
 //   A = M / h^2 + K,   b = -M / h^2 (x - x*) + f(x),
-// gathered from the slots that the element kernels wrote. Each row adds in one fixed order; nothing is
-// scattered. Also the inverse of the diagonal block, contacts included, for the preconditioner.
+// gathered from the slots that the element kernels wrote. Each row adds in one fixed order; nothing
+// is scattered. Also the inverse of the diagonal block, contacts included, for the preconditioner.
 #pragma once
 
 #include "block_rows.h"
@@ -14,26 +14,26 @@ typedef struct cloth_incidence {
 } cloth_incidence;
 
 typedef struct cloth_assemble_row_args {
-  int first;                         // vertex of row 0
-  cloth_real inverse_step;           // 1/s
-  const cloth_real *mass;            // [vertices] kg
-  const cloth_real *x, *x_pred;      // [vertices x 3] m
-  const cloth_real *hold_stiffness;  // [vertices] N/m, compliant holds; NULL: none
-  const cloth_real *target;          // [vertices x 3] m, of holds
-  cloth_incidence membrane;          // 3 corners
-  const cloth_real *membrane_force, *membrane_tangent; // [n x 9] N, [n x 45] N/m: membrane.h
-  cloth_incidence drag;              // 3 corners, slot not used
-  const cloth_real *drag_force, *drag_tangent; // [n x 3] N, [n x 6] N/m: drag.h
-  cloth_incidence bend;              // 4 corners
+  int first;                        // vertex of row 0
+  cloth_real inverse_step;          // 1/s
+  const cloth_real *mass;           // [vertices] kg
+  const cloth_real *x, *x_pred;     // [vertices x 3] m
+  const cloth_real *hold_stiffness; // [vertices] N/m, compliant holds; NULL: none
+  const cloth_real *target;         // [vertices x 3] m, of holds
+  cloth_incidence membrane;         // 3 corners
+  const cloth_real *membrane_force, *membrane_tangent;        // [n x 9] N, [n x 45] N/m: membrane.h
+  cloth_incidence drag;                                       // 3 corners, slot not used
+  const cloth_real *drag_force, *drag_tangent;                // [n x 3] N, [n x 6] N/m: drag.h
+  cloth_incidence bend;                                       // 4 corners
   const cloth_real *bend_force, *bend_gradient, *bend_weight; // [n x 12], [n x 12], [n]: bend.h
-  const uint32_t *contact_first;     // [rows + 1]; NULL: no contacts
-  const uint32_t *contact_entry;     // [entries] 4 contact + corner
-  const cloth_real *contact_weight;  // [contacts x 4]
-  const cloth_real *contact_force;   // [contacts x 3] N
-  const cloth_real *contact_tangent; // [contacts x 6] N/m
-  cloth_block_rows rows;             // written
-  cloth_real *b;                     // [vertices x 3] N, written
-  cloth_real *inverse_diagonal;      // [vertices x 6] m/N, written
+  const uint32_t *contact_first;                              // [rows + 1]; NULL: no contacts
+  const uint32_t *contact_entry;                              // [entries] 4 contact + corner
+  const cloth_real *contact_weight;                           // [contacts x 4]
+  const cloth_real *contact_force;                            // [contacts x 3] N
+  const cloth_real *contact_tangent;                          // [contacts x 6] N/m
+  cloth_block_rows rows;                                      // written
+  cloth_real *b;                                              // [vertices x 3] N, written
+  cloth_real *inverse_diagonal;                               // [vertices x 6] m/N, written
 } cloth_assemble_row_args;
 
 CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
@@ -45,7 +45,8 @@ CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_
     cloth_block_add_sym(&a->rows, i, a->membrane.slot[3 * n + c], cloth_sym3_load(tangent, c));
     int next = (c + 1) % 3, last = (c + 2) % 3; // stored: K(c, c + 1)
     cloth_block_add(&a->rows, i, a->membrane.slot[3 * n + next], tangent + 18 + 9 * c);
-    cloth_block_add_transposed(&a->rows, i, a->membrane.slot[3 * n + last], tangent + 18 + 9 * last);
+    cloth_block_add_transposed(&a->rows, i, a->membrane.slot[3 * n + last],
+                               tangent + 18 + 9 * last);
   }
 }
 
@@ -73,8 +74,10 @@ CLOTH_FN void cloth_add_drag(int i, const cloth_assemble_row_args *a, cloth_v3 *
 CLOTH_FN cloth_sym3 cloth_sym3_inverse(cloth_sym3 m)
 {
   cloth_sym3 c; // cofactors
-  c.xx = m.yy * m.zz - m.yz * m.yz, c.yy = m.zz * m.xx - m.zx * m.zx, c.zz = m.xx * m.yy - m.xy * m.xy;
-  c.yz = m.zx * m.xy - m.yz * m.xx, c.zx = m.xy * m.yz - m.zx * m.yy, c.xy = m.yz * m.zx - m.xy * m.zz;
+  c.xx = m.yy * m.zz - m.yz * m.yz, c.yy = m.zz * m.xx - m.zx * m.zx,
+  c.zz = m.xx * m.yy - m.xy * m.xy;
+  c.yz = m.zx * m.xy - m.yz * m.xx, c.zx = m.xy * m.yz - m.zx * m.yy,
+  c.xy = m.yz * m.zx - m.xy * m.zz;
   cloth_real det = m.xx * c.xx + m.xy * c.xy + m.zx * c.zx;
   if (!(det > 0)) { // lost to rounding: the diagonal alone
     c.xx = 1 / m.xx, c.yy = 1 / m.yy, c.zz = 1 / m.zz, c.yz = c.zx = c.xy = 0;

@@ -21,7 +21,7 @@ CLOTH_FN void cloth_atomic_min(uint32_t *p, uint32_t v)
   atomicMin(p, v);
 #else
   uint32_t old = __atomic_load_n(p, __ATOMIC_RELAXED);
-  while (v < old && !__atomic_compare_exchange_n(p, &old, v, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
-  }
+  while (v < old &&
+         !__atomic_compare_exchange_n(p, &old, v, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {}
 #endif
 }

@@ -1,7 +1,8 @@
 // Rows of 3x3 blocks in block ELLPACK, structure of arrays, in groups of rows that share a width
 // (SELL: Kreutzer et al. 2014; P-Cloth section 4.1 uses one width for all). Slot 0 is the diagonal.
-// Entry e (row-major) of slot s of row i lies at val[((first[g] + s) * 9 + e) * GROUP + lane], where
-// i = g * GROUP + lane: the rows of a group are neighbours in memory, so one instruction serves all.
+// Entry e (row-major) of slot s of row i lies at val[((first[g] + s) * 9 + e) * GROUP + lane],
+// where i = g * GROUP + lane: the rows of a group are neighbours in memory, so one instruction
+// serves all.
 #pragma once
 
 #include "real.h"
@@ -33,7 +34,8 @@ CLOTH_FN void cloth_block_add(const cloth_block_rows *r, int row, int slot, cons
   for (int e = 0; e < 9; e++) v[e * CLOTH_ROW_GROUP] += m[e];
 }
 
-CLOTH_FN void cloth_block_add_transposed(const cloth_block_rows *r, int row, int slot, const cloth_real *m)
+CLOTH_FN void cloth_block_add_transposed(const cloth_block_rows *r, int row, int slot,
+                                         const cloth_real *m)
 {
   cloth_real *v = cloth_block_at(r, row, slot);
   for (int e = 0; e < 9; e++) v[e * CLOTH_ROW_GROUP] += m[3 * (e % 3) + e / 3];
@@ -49,7 +51,8 @@ CLOTH_FN void cloth_block_add_sym(const cloth_block_rows *r, int row, int slot, 
 }
 
 // a b'
-CLOTH_FN void cloth_block_add_outer(const cloth_block_rows *r, int row, int slot, cloth_v3 a, cloth_v3 b)
+CLOTH_FN void cloth_block_add_outer(const cloth_block_rows *r, int row, int slot, cloth_v3 a,
+                                    cloth_v3 b)
 {
   cloth_real full[9];
   full[0] = a.x * b.x, full[1] = a.x * b.y, full[2] = a.x * b.z;
@@ -68,7 +71,8 @@ CLOTH_FN cloth_sym3 cloth_block_diagonal(const cloth_block_rows *r, int row)
 }
 
 /// y = A x for the rows of one group: y is [GROUP x 3].
-CLOTH_FN void cloth_block_product(const cloth_block_rows *r, int group, const cloth_real *x, cloth_real *y)
+CLOTH_FN void cloth_block_product(const cloth_block_rows *r, int group, const cloth_real *x,
+                                  cloth_real *y)
 {
   cloth_real y0[CLOTH_ROW_GROUP], y1[CLOTH_ROW_GROUP], y2[CLOTH_ROW_GROUP];
   cloth_real x0[CLOTH_ROW_GROUP], x1[CLOTH_ROW_GROUP], x2[CLOTH_ROW_GROUP];
@@ -88,5 +92,6 @@ CLOTH_FN void cloth_block_product(const cloth_block_rows *r, int group, const cl
     for (int l = 0; l < CLOTH_ROW_GROUP; l++)
       y2[l] += a[6 * g + l] * x0[l] + a[7 * g + l] * x1[l] + a[8 * g + l] * x2[l];
   }
-  for (int l = 0; l < CLOTH_ROW_GROUP; l++) y[3 * l] = y0[l], y[3 * l + 1] = y1[l], y[3 * l + 2] = y2[l];
+  for (int l = 0; l < CLOTH_ROW_GROUP; l++)
+    y[3 * l] = y0[l], y[3 * l + 1] = y1[l], y[3 * l + 2] = y2[l];
 }

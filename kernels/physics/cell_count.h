@@ -9,14 +9,14 @@ enum { CLOTH_CELLS_MAX = 64 }; // a body triangle over more cells is large
 
 typedef struct cloth_cell_count_args {
   cloth_grid grid;
-  cloth_real gap;              // m, half the distance at which a pair counts
-  cloth_real cloth_box[6];     // m, of all cloth
-  int cloth_triangles;         // elements below are cloth
-  const int *body_triangle;    // [n - cloth_triangles] triangles of bodies that are near
-  const cloth_real *box;       // [triangles x 6] m
-  uint32_t *count;             // [n], written
-  uint32_t *large;             // list of large triangles
-  uint32_t *large_count;       // [1] counts up
+  cloth_real gap;           // m, half the distance at which a pair counts
+  cloth_real cloth_box[6];  // m, of all cloth
+  int cloth_triangles;      // elements below are cloth
+  const int *body_triangle; // [n - cloth_triangles] triangles of bodies that are near
+  const cloth_real *box;    // [triangles x 6] m
+  uint32_t *count;          // [n], written
+  uint32_t *large;          // list of large triangles
+  uint32_t *large_count;    // [1] counts up
 } cloth_cell_count_args;
 
 CLOTH_FN int cloth_active_triangle(int i, int cloth_triangles, const int *body_triangle)

@@ -5,13 +5,13 @@
 
 typedef struct cloth_cell_fill_args {
   cloth_grid grid;
-  cloth_real gap;            // m
+  cloth_real gap; // m
   int cloth_triangles;
-  const int *body_triangle;  // [n - cloth_triangles]
-  const cloth_real *box;     // [triangles x 6] m
-  const uint32_t *first;     // [n + 1] scanned cell counts
-  uint64_t *cell;            // [entries], written
-  uint32_t *triangle;        // [entries], written
+  const int *body_triangle; // [n - cloth_triangles]
+  const cloth_real *box;    // [triangles x 6] m
+  const uint32_t *first;    // [n + 1] scanned cell counts
+  uint64_t *cell;           // [entries], written
+  uint32_t *triangle;       // [entries], written
 } cloth_cell_fill_args;
 
 CLOTH_FN void cloth_cell_fill(int i, const cloth_cell_fill_args *a)

@@ -1,5 +1,5 @@
-// End of a substep for one chunk of vertices: velocity from displacement, and what the report and the
-// checks need of it.
+// End of a substep for one chunk of vertices: velocity from displacement, and what the report and
+// the checks need of it.
 #pragma once
 
 #include "chunk.h"
@@ -13,8 +13,8 @@ typedef struct cloth_commit_chunk_args {
   const cloth_real *mass;  // [vertices] kg
   cloth_real inverse_step; // 1/s
   cloth_real *v_next;      // [vertices x 3] m/s, written
-  cloth_real *out;         // [chunks x CLOTH_COMMIT_FIELDS]: largest |coordinate| [m] (NaN if any is),
-                           // largest speed [m/s], kinetic energy [J]
+  cloth_real *out; // [chunks x CLOTH_COMMIT_FIELDS]: largest |coordinate| [m] (NaN if any is),
+                   // largest speed [m/s], kinetic energy [J]
 } cloth_commit_chunk_args;
 
 CLOTH_FN void cloth_commit_chunk(int i, const cloth_commit_chunk_args *a)

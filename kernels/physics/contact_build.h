@@ -1,25 +1,25 @@
-// Contact i as a plane for this substep: normal and weights from the start of the substep, when nothing
-// had passed through, so the side is known; the distance along it changes with the solve.
+// Contact i as a plane for this substep: normal and weights from the start of the substep, when
+// nothing had passed through, so the side is known; the distance along it changes with the solve.
 //
-// Stiffness: from mass and step, so that conditioning does not depend on either. Closer contacts are
-// stiffer by (thickness / distance)^2, a barrier by lagged secants that carries any load before the
-// distance is used up (in the spirit of Li et al. 2020, Incremental potential contact).
+// Stiffness: from mass and step, so that conditioning does not depend on either. Closer contacts
+// are stiffer by (thickness / distance)^2, a barrier by lagged secants that carries any load before
+// the distance is used up (in the spirit of Li et al. 2020, Incremental potential contact).
 #pragma once
 
 #include "contact_geometry.h"
 
 typedef struct cloth_contact_build_args {
   cloth_contact_scene scene;
-  cloth_real stiffness;     // in units of mass / step^2
-  cloth_real inverse_step;  // 1/s
-  const uint64_t *contact;  // [n] sorted
-  int *vertex;              // [n x 4], written
-  cloth_real *weight;       // [n x 4], written
-  cloth_real *normal;       // [n x 3], written
-  cloth_real *distance;     // [n] m at the start of the substep, written
-  cloth_real *thickness;    // [n] m, written
-  cloth_real *k;            // [n] N/m, written
-  cloth_real *mu;           // [n] Coulomb coefficient, written
+  cloth_real stiffness;    // in units of mass / step^2
+  cloth_real inverse_step; // 1/s
+  const uint64_t *contact; // [n] sorted
+  int *vertex;             // [n x 4], written
+  cloth_real *weight;      // [n x 4], written
+  cloth_real *normal;      // [n x 3], written
+  cloth_real *distance;    // [n] m at the start of the substep, written
+  cloth_real *thickness;   // [n] m, written
+  cloth_real *k;           // [n] N/m, written
+  cloth_real *mu;          // [n] Coulomb coefficient, written
 } cloth_contact_build_args;
 
 CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
@@ -42,7 +42,8 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
   cloth_real t = cloth_contact_thickness(s, &g);
   a->thickness[i] = t;
 
-  cloth_real k = inverse_mass > 0 ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
+  cloth_real k =
+      inverse_mass > 0 ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
   cloth_real least = t * (cloth_real)0.05;
   cloth_real close = g.distance > least ? g.distance : least;
   a->k[i] = close < t ? k * (t / close) * (t / close) : k;

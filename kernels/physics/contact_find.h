@@ -1,5 +1,5 @@
-// Does candidate i touch in this substep? It does if it is closer than its thickness now, or would be
-// after the predicted motion.
+// Does candidate i touch in this substep? It does if it is closer than its thickness now, or would
+// be after the predicted motion.
 #pragma once
 
 #include "atomic.h"
@@ -10,11 +10,12 @@ typedef struct cloth_contact_find_args {
   const uint64_t *pair; // [n]
   uint64_t *contact;    // [capacity], appended
   uint32_t capacity;
-  uint32_t *count;      // [1] counts up, also past the capacity
+  uint32_t *count; // [1] counts up, also past the capacity
 } cloth_contact_find_args;
 
 // do the features' swept boxes come within the thickness?
-CLOTH_FN int cloth_pair_near(const cloth_contact_scene *s, const cloth_contact_geometry *g, cloth_real gap)
+CLOTH_FN int cloth_pair_near(const cloth_contact_scene *s, const cloth_contact_geometry *g,
+                             cloth_real gap)
 {
   int split = g->type == CLOTH_VERTEX_FACE ? 1 : 2;
   cloth_box box[2];

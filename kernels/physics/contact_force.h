@@ -1,10 +1,10 @@
 // Force and stiffness of contact i at the present iterate.
 //
-// Normal: energy k/2 (t - d)^2 while d < t, d measured along the contact's plane; Gauss-Newton tangent
-// k n n'. Friction: lagged Coulomb (Li et al. 2020, section 5), the normal force of the last iterate
-// times mu, opposed to the slip u of the substep, smoothed below the slip speed so that it is static
-// there; secant tangent. The force on vertex a is weight_a * force, the tangent block of (a, b) is
-// weight_a weight_b * tangent.
+// Normal: energy k/2 (t - d)^2 while d < t, d measured along the contact's plane; Gauss-Newton
+// tangent k n n'. Friction: lagged Coulomb (Li et al. 2020, section 5), the normal force of the
+// last iterate times mu, opposed to the slip u of the substep, smoothed below the slip speed so
+// that it is static there; secant tangent. The force on vertex a is weight_a * force, the tangent
+// block of (a, b) is weight_a weight_b * tangent.
 #pragma once
 
 #include "real.h"
@@ -19,12 +19,12 @@ typedef struct cloth_contact_force_args {
   const cloth_real *mu;        // [n]
   const cloth_real *x_t0, *x;  // [vertices x 3] m
   cloth_real slip_least;       // m, slip in a substep below which friction is static
-  int first_iterate;           // 1: x is the prediction, not a solution: the normal force for friction
-                               // is that of the start of the substep
-  int friction;                // 0: none
-  cloth_real *force;           // [n x 3] N, written
-  cloth_real *tangent;         // [n x 6] N/m, written
-  cloth_real *pressure;        // [n] N, normal force, written
+  int first_iterate;    // 1: x is the prediction, not a solution: the normal force for friction
+                        // is that of the start of the substep
+  int friction;         // 0: none
+  cloth_real *force;    // [n x 3] N, written
+  cloth_real *tangent;  // [n x 6] N/m, written
+  cloth_real *pressure; // [n] N, normal force, written
 } cloth_contact_force_args;
 
 CLOTH_FN void cloth_contact_force(int i, const cloth_contact_force_args *a)

@@ -1,5 +1,6 @@
-// What a pair of features looks like: four vertices, weights that give the vector between the closest
-// points as sum w_k x_k, the unit normal and the distance. Shared by every contact and impact kernel.
+// What a pair of features looks like: four vertices, weights that give the vector between the
+// closest points as sum w_k x_k, the unit normal and the distance. Shared by every contact and
+// impact kernel.
 #pragma once
 
 #include "box.h"
@@ -7,22 +8,23 @@
 #include "pair_key.h"
 
 typedef struct cloth_contact_scene {
-  int cloth_vertices;            // vertices from here on belong to bodies
-  const int *triangle;           // [triangles x 3]
-  const int *edge;               // [edges x 2]
-  const cloth_real *x_t0;        // [vertices x 3] m, start of the substep
-  const cloth_real *x;           // [vertices x 3] m, predicted or solved end
-  const cloth_real *rest;        // [cloth vertices x 3] m, rest shape
-  const cloth_real *free;        // [cloth vertices] 1: moves, 0: held rigidly
-  const cloth_real *mass;        // [cloth vertices] kg
-  const int *cloth_of;           // [cloth vertices] index of the cloth
-  const int *body_of;            // [body vertices] index of the body
+  int cloth_vertices;              // vertices from here on belong to bodies
+  const int *triangle;             // [triangles x 3]
+  const int *edge;                 // [edges x 2]
+  const cloth_real *x_t0;          // [vertices x 3] m, start of the substep
+  const cloth_real *x;             // [vertices x 3] m, predicted or solved end
+  const cloth_real *rest;          // [cloth vertices x 3] m, rest shape
+  const cloth_real *free;          // [cloth vertices] 1: moves, 0: held rigidly
+  const cloth_real *mass;          // [cloth vertices] kg
+  const int *cloth_of;             // [cloth vertices] index of the cloth
+  const int *body_of;              // [body vertices] index of the body
   const cloth_real *body_friction; // [bodies]
-  const int *grasp_of;           // [cloth vertices] 0: none, else 1 + grasp
-  const unsigned char *ignore;   // [grasps x bodies] 1: contacts of held vertices with the body are off
+  const int *grasp_of;             // [cloth vertices] 0: none, else 1 + grasp
+  const unsigned char
+      *ignore; // [grasps x bodies] 1: contacts of held vertices with the body are off
   int bodies;
-  cloth_real thickness;          // m
-  cloth_real friction;           // cloth on cloth
+  cloth_real thickness; // m
+  cloth_real friction;  // cloth on cloth
   cloth_key_format format;
 } cloth_contact_scene;
 
@@ -32,11 +34,12 @@ typedef struct cloth_contact_geometry {
   cloth_real weight[4]; // sum 0; positive side first
   cloth_v3 normal;      // unit, from the second feature to the first; zero if they coincide
   cloth_real distance;  // m
-  int proper;           // 0: an edge-edge pair whose closest points are not inside both edges, which
-                        // some vertex-face pair covers
+  int proper; // 0: an edge-edge pair whose closest points are not inside both edges, which
+              // some vertex-face pair covers
 } cloth_contact_geometry;
 
-CLOTH_FN void cloth_pair_vertices(const cloth_contact_scene *s, uint64_t key, cloth_contact_geometry *g)
+CLOTH_FN void cloth_pair_vertices(const cloth_contact_scene *s, uint64_t key,
+                                  cloth_contact_geometry *g)
 {
   cloth_pair p = cloth_pair_unpack(s->format, key);
   g->type = p.type;
@@ -82,7 +85,8 @@ CLOTH_FN cloth_v3 cloth_contact_motion(const cloth_contact_geometry *g, const cl
   cloth_v3 u = cloth_v3_make(0, 0, 0);
   for (int k = 0; k < 4; k++) {
     int v = g->vertex[k];
-    u = cloth_v3_add_scaled(u, g->weight[k], cloth_v3_sub(cloth_v3_load(x, v), cloth_v3_load(x_t0, v)));
+    u = cloth_v3_add_scaled(u, g->weight[k],
+                            cloth_v3_sub(cloth_v3_load(x, v), cloth_v3_load(x_t0, v)));
   }
   return u;
 }
@@ -103,14 +107,16 @@ CLOTH_FN int cloth_contact_ignored(const cloth_contact_scene *s, const cloth_con
     int v = g->vertex[k];
     if (v >= s->cloth_vertices) continue;
     if (s->free[v] > 0) movable = 1;
-    if (body >= 0 && s->grasp_of[v] > 0 && s->ignore[(s->grasp_of[v] - 1) * s->bodies + body]) return 1;
+    if (body >= 0 && s->grasp_of[v] > 0 && s->ignore[(s->grasp_of[v] - 1) * s->bodies + body])
+      return 1;
   }
   return !movable;
 }
 
-/// The distance that this pair keeps [m]: the thickness, or less where the cloth's own mesh is finer
-/// than that, so that neighbours at rest do not push each other apart.
-CLOTH_FN cloth_real cloth_contact_thickness(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+/// The distance that this pair keeps [m]: the thickness, or less where the cloth's own mesh is
+/// finer than that, so that neighbours at rest do not push each other apart.
+CLOTH_FN cloth_real cloth_contact_thickness(const cloth_contact_scene *s,
+                                            const cloth_contact_geometry *g)
 {
   int cloth = -1;
   for (int k = 0; k < 4; k++) {

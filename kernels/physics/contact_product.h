@@ -1,5 +1,5 @@
-// The contact part of A p, kept in factors instead of 16 blocks: q = tangent * sum w_b p_b, and row a
-// adds weight_a q.
+// The contact part of A p, kept in factors instead of 16 blocks: q = tangent * sum w_b p_b, and row
+// a adds weight_a q.
 #pragma once
 
 #include "real.h"
@@ -18,7 +18,8 @@ CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
   cloth_v3 u = cloth_v3_make(0, 0, 0);
   for (int c = 0; c < 4; c++) {
     int v = a->vertex[4 * i + c];
-    if (v < a->cloth_vertices) u = cloth_v3_add_scaled(u, a->weight[4 * i + c], cloth_v3_load(a->p, v));
+    if (v < a->cloth_vertices)
+      u = cloth_v3_add_scaled(u, a->weight[4 * i + c], cloth_v3_load(a->p, v));
   }
   cloth_v3_store(a->q, i, cloth_sym3_mul(cloth_sym3_load(a->tangent, i), u));
 }

@@ -4,10 +4,10 @@
 #include "chunk.h"
 
 typedef struct cloth_correct_args {
-  int first, count;       // owned vertices
-  const cloth_real *dx;   // [vertices x 3] m
-  cloth_real *x;          // [vertices x 3] m
-  cloth_real *largest;    // [chunks] m, written; NaN if any is
+  int first, count;     // owned vertices
+  const cloth_real *dx; // [vertices x 3] m
+  cloth_real *x;        // [vertices x 3] m
+  cloth_real *largest;  // [chunks] m, written; NaN if any is
 } cloth_correct_args;
 
 CLOTH_FN void cloth_correct(int i, const cloth_correct_args *a)

@@ -1,5 +1,6 @@
-// The workload table: entry i is tested against the later entries of its cell (P-Cloth section 4.2).
-// Cloth triangles come first in a cell, because the sort is stable; two body triangles are no work.
+// The workload table: entry i is tested against the later entries of its cell (P-Cloth
+// section 4.2). Cloth triangles come first in a cell, because the sort is stable; two body
+// triangles are no work.
 #pragma once
 
 #include "real.h"
@@ -9,7 +10,7 @@ typedef struct cloth_entry_work_args {
   const uint64_t *cell;     // [count] sorted
   const uint32_t *triangle; // [count]
   int cloth_triangles;
-  uint32_t *work;           // [count], written: pair tests
+  uint32_t *work; // [count], written: pair tests
 } cloth_entry_work_args;
 
 CLOTH_FN void cloth_entry_work(int i, const cloth_entry_work_args *a)

@@ -1,9 +1,12 @@
-// Would candidate i pass through on the straight way from the start to the end of the substep? If so,
-// its vertices may go only part of the way.
+// Would candidate i pass through on the straight way from the start to the end of the substep? If
+// so, its vertices may go only part of the way.
 #pragma once
 
 #include "contact_find.h"
 #include "toi.h"
+
+#define CLOTH_IMPACT_SHARE                                                                         \
+  (cloth_real)0.1 // a pair that starts closer keeps this much of its distance
 
 enum { CLOTH_WHOLE = 1 << 20 }; // the whole way, in fixed point: a minimum of integers has no order
 
@@ -11,6 +14,7 @@ typedef struct cloth_impact_find_args {
   cloth_contact_scene scene;
   int first, last;      // vertices of this part
   int stop;             // 1: whatever is involved stays where it was
+  cloth_real gap;       // m, distance that counts as an impact
   const uint64_t *pair; // [n]
   uint32_t *allowed;    // [cloth vertices] of CLOTH_WHOLE, lowered
   uint32_t *count;      // [1] impacts of which this part owns the first cloth vertex; counts up
@@ -22,7 +26,7 @@ CLOTH_FN void cloth_impact_find(int i, const cloth_impact_find_args *a)
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
   cloth_pair_vertices(s, a->pair[i], &g);
-  if (!cloth_pair_near(s, &g, s->thickness * (cloth_real)1e-3) || cloth_contact_ignored(s, &g)) return;
+  if (!cloth_pair_near(s, &g, a->gap) || cloth_contact_ignored(s, &g)) return;
 
   // relative to the first vertex at the start
   cloth_v3 o = cloth_v3_load(s->x_t0, g.vertex[0]), p[4], q[4];
@@ -32,8 +36,8 @@ CLOTH_FN void cloth_impact_find(int i, const cloth_impact_find_args *a)
   }
   cloth_real toi;
   int hit = g.type == CLOTH_VERTEX_FACE
-                ? cloth_toi_vertex_face(p[0], p[1], p[2], p[3], q[0], q[1], q[2], q[3], &toi)
-                : cloth_toi_edge_edge(p[0], p[1], p[2], p[3], q[0], q[1], q[2], q[3], &toi);
+                ? cloth_toi_vertex_face(p, q, a->gap, CLOTH_IMPACT_SHARE, &toi)
+                : cloth_toi_edge_edge(p, q, a->gap, CLOTH_IMPACT_SHARE, &toi);
   if (!hit) return;
 
   cloth_real share = a->stop || !(toi > (cloth_real)0.05) ? 0 : toi * (cloth_real)0.8;

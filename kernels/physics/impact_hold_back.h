@@ -4,11 +4,11 @@
 #include "impact_find.h"
 
 typedef struct cloth_impact_hold_back_args {
-  int first;               // vertex of element 0
-  const cloth_real *x_t0;  // [vertices x 3] m
-  const cloth_real *free;  // [vertices] 0: held rigidly, stays on its way
-  uint32_t *allowed;       // [vertices] of CLOTH_WHOLE; reset to the whole way
-  cloth_real *x;           // [vertices x 3] m
+  int first;              // vertex of element 0
+  const cloth_real *x_t0; // [vertices x 3] m
+  const cloth_real *free; // [vertices] 0: held rigidly, stays on its way
+  uint32_t *allowed;      // [vertices] of CLOTH_WHOLE; reset to the whole way
+  cloth_real *x;          // [vertices x 3] m
 } cloth_impact_hold_back_args;
 
 CLOTH_FN void cloth_impact_hold_back(int i, const cloth_impact_hold_back_args *a)

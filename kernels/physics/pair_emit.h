@@ -1,6 +1,6 @@
-// From two triangles whose regions are close to the pairs of features that may touch: 6 vertex-face and
-// 9 edge-edge, of which each triangle answers only for the vertices and edges that it owns, so that
-// every pair of features is reported once (representative triangles: Curtis et al. 2008).
+// From two triangles whose regions are close to the pairs of features that may touch: 6 vertex-face
+// and 9 edge-edge, of which each triangle answers only for the vertices and edges that it owns, so
+// that every pair of features is reported once (representative triangles: Curtis et al. 2008).
 #pragma once
 
 #include "atomic.h"
@@ -8,22 +8,22 @@
 #include "pair_key.h"
 
 typedef struct cloth_pair_mesh {
-  int cloth_vertices;            // vertices from here on belong to bodies
-  int cloth_triangles;           // triangles likewise
-  const int *triangle;           // [triangles x 3]
-  const int *triangle_edge;      // [triangles x 3] edge k joins corners k and k + 1
-  const int *owns;               // [triangles] bits 0..2 its corners, bits 3..5 its edges
-  const int *edge;               // [edges x 2]
-  const cloth_real *vertex_box;  // [vertices x 6] m
-  const cloth_real *box;         // [triangles x 6] m
-  cloth_real gap;                // m, distance at which a pair counts
-  int self;                      // 1: cloth against cloth too
-  int first, last;               // vertices of this part: pairs that touch none of them are left out
-  int triangles_only;            // 1: report (cloth triangle, body triangle) instead of features
+  int cloth_vertices;           // vertices from here on belong to bodies
+  int cloth_triangles;          // triangles likewise
+  const int *triangle;          // [triangles x 3]
+  const int *triangle_edge;     // [triangles x 3] edge k joins corners k and k + 1
+  const int *owns;              // [triangles] bits 0..2 its corners, bits 3..5 its edges
+  const int *edge;              // [edges x 2]
+  const cloth_real *vertex_box; // [vertices x 6] m
+  const cloth_real *box;        // [triangles x 6] m
+  cloth_real gap;               // m, distance at which a pair counts
+  int self;                     // 1: cloth against cloth too
+  int first, last;              // vertices of this part: pairs that touch none of them are left out
+  int triangles_only;           // 1: report (cloth triangle, body triangle) instead of features
   cloth_key_format format;
-  uint64_t *key;                 // [capacity]
+  uint64_t *key; // [capacity]
   uint32_t capacity;
-  uint32_t *count;               // [1] counts up, also past the capacity
+  uint32_t *count; // [1] counts up, also past the capacity
 } cloth_pair_mesh;
 
 CLOTH_FN void cloth_pair_append(const cloth_pair_mesh *m, int type, int a, int b)
@@ -32,7 +32,10 @@ CLOTH_FN void cloth_pair_append(const cloth_pair_mesh *m, int type, int a, int b
   if (at < m->capacity) m->key[at] = cloth_pair_pack(m->format, type, a, b);
 }
 
-CLOTH_FN int cloth_pair_mine(const cloth_pair_mesh *m, int v) { return v >= m->first && v < m->last; }
+CLOTH_FN int cloth_pair_mine(const cloth_pair_mesh *m, int v)
+{
+  return v >= m->first && v < m->last;
+}
 
 CLOTH_FN void cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb)
 {
@@ -53,7 +56,8 @@ CLOTH_FN void cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
   for (int i = 0; i < 3; i++) {
     if (!(m->owns[ta] >> (3 + i) & 1)) continue;
     int ea = m->triangle_edge[3 * ta + i], a0 = m->edge[2 * ea], a1 = m->edge[2 * ea + 1];
-    cloth_box box = cloth_box_union(cloth_box_load(m->vertex_box, a0), cloth_box_load(m->vertex_box, a1));
+    cloth_box box =
+        cloth_box_union(cloth_box_load(m->vertex_box, a0), cloth_box_load(m->vertex_box, a1));
     for (int k = 0; k < 3; k++) {
       if (!(m->owns[tb] >> (3 + k) & 1)) continue;
       int eb = m->triangle_edge[3 * tb + k], b0 = m->edge[2 * eb], b1 = m->edge[2 * eb + 1];

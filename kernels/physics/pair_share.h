@@ -10,7 +10,7 @@ enum { CLOTH_SHARE = 256 }; // pair tests
 typedef struct cloth_pair_share_args {
   cloth_pair_mesh mesh;
   cloth_grid grid;
-  cloth_real cell_gap;      // m, the gap with which cells were filled
+  cloth_real cell_gap; // m, the gap with which cells were filled
   int entries;
   const uint64_t *cell;     // [entries] sorted
   const uint32_t *triangle; // [entries]
@@ -48,7 +48,8 @@ CLOTH_FN void cloth_pair_share(int i, const cloth_pair_share_args *a)
       if (!cloth_box_near(box_a, box_b, m->gap)) continue;
       cloth_cells ca = cloth_grid_cells(&a->grid, box_a, a->cell_gap);
       cloth_cells cb = cloth_grid_cells(&a->grid, box_b, a->cell_gap);
-      int x = ca.lo[0] > cb.lo[0] ? ca.lo[0] : cb.lo[0], y = ca.lo[1] > cb.lo[1] ? ca.lo[1] : cb.lo[1];
+      int x = ca.lo[0] > cb.lo[0] ? ca.lo[0] : cb.lo[0],
+          y = ca.lo[1] > cb.lo[1] ? ca.lo[1] : cb.lo[1];
       int z = ca.lo[2] > cb.lo[2] ? ca.lo[2] : cb.lo[2];
       if (cloth_grid_key(&a->grid, x, y, z) == a->cell[e]) cloth_pair_emit(m, ta, tb);
     }

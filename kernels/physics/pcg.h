@@ -1,6 +1,7 @@
 // Preconditioned conjugate gradients, 3x3 block Jacobi, in a form that needs no scalar on the host:
 // every number that steers the iteration lives in device memory, and once the solve is done the
-// remaining kernels change nothing. (Hestenes and Stiefel 1952; masked rows: Baraff and Witkin 1998.)
+// remaining kernels change nothing. (Hestenes and Stiefel 1952; masked rows: Baraff and Witkin
+// 1998.)
 #pragma once
 
 #include "block_rows.h"
@@ -10,10 +11,10 @@
 enum {
   CLOTH_PCG_ALPHA,
   CLOTH_PCG_BETA,
-  CLOTH_PCG_RZ,        // r' z
-  CLOTH_PCG_RR,        // r' r
-  CLOTH_PCG_BB,        // b' b over the free rows
-  CLOTH_PCG_DONE,      // 1: converged or broken down
+  CLOTH_PCG_RZ,   // r' z
+  CLOTH_PCG_RR,   // r' r
+  CLOTH_PCG_BB,   // b' b over the free rows
+  CLOTH_PCG_DONE, // 1: converged or broken down
   CLOTH_PCG_ITERATIONS,
   CLOTH_PCG_SCALARS
 };

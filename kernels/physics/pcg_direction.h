@@ -14,5 +14,6 @@ CLOTH_FN void cloth_pcg_direction(int i, const cloth_pcg_direction_args *a)
   cloth_real beta = v->scalar[CLOTH_PCG_BETA];
   int end = cloth_chunk_end(v->first, v->count, i);
   for (int k = v->first + i * CLOTH_CHUNK; k < end; k++)
-    cloth_v3_store(v->p, k, cloth_v3_add_scaled(cloth_v3_load(v->z, k), beta, cloth_v3_load(v->p, k)));
+    cloth_v3_store(v->p, k,
+                   cloth_v3_add_scaled(cloth_v3_load(v->z, k), beta, cloth_v3_load(v->p, k)));
 }

@@ -26,7 +26,8 @@ CLOTH_FN void cloth_pcg_product(int i, const cloth_pcg_product_args *a)
       if (a->contact_first)
         for (uint32_t n = a->contact_first[row + l]; n < a->contact_first[row + l + 1]; n++) {
           uint32_t e = a->contact_entry[n];
-          q = cloth_v3_add_scaled(q, a->contact_weight[e], cloth_v3_load(a->contact_q, (int)(e / 4)));
+          q = cloth_v3_add_scaled(q, a->contact_weight[e],
+                                  cloth_v3_load(a->contact_q, (int)(e / 4)));
         }
       cloth_v3_store(a->q, a->first + row + l, q);
       sum += cloth_v3_dot(cloth_v3_load(a->x, a->first + row + l), q);

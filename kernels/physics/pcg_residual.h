@@ -1,5 +1,5 @@
-// r = b - q with q = A dx: the true residual. Its free rows are the error of the solve (partial r'r in
-// field 0); its held rows are minus the force that the hold exerts.
+// r = b - q with q = A dx: the true residual. Its free rows are the error of the solve (partial r'r
+// in field 0); its held rows are minus the force that the hold exerts.
 #pragma once
 
 #include "pcg.h"

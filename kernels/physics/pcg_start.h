@@ -14,7 +14,8 @@ CLOTH_FN void cloth_pcg_start(int i, const cloth_pcg_start_args *a)
   int end = cloth_chunk_end(v->first, v->count, i);
   for (int k = v->first + i * CLOTH_CHUNK; k < end; k++) {
     cloth_v3 r = cloth_v3_scale(v->free[k], cloth_v3_load(v->b, k));
-    cloth_v3 z = cloth_v3_scale(v->free[k], cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r));
+    cloth_v3 z =
+        cloth_v3_scale(v->free[k], cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r));
     cloth_v3_store(v->dx, k, cloth_v3_make(0, 0, 0));
     cloth_v3_store(v->r, k, r);
     cloth_v3_store(v->z, k, z);

@@ -15,8 +15,10 @@ CLOTH_FN void cloth_pcg_update(int i, const cloth_pcg_update_args *a)
   for (int k = v->first + i * CLOTH_CHUNK; k < end; k++) {
     cloth_v3_store(v->dx, k,
                    cloth_v3_add_scaled(cloth_v3_load(v->dx, k), alpha, cloth_v3_load(v->p, k)));
-    cloth_v3 r = cloth_v3_add_scaled(cloth_v3_load(v->r, k), -alpha * v->free[k], cloth_v3_load(v->q, k));
-    cloth_v3 z = cloth_v3_scale(v->free[k], cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r));
+    cloth_v3 r =
+        cloth_v3_add_scaled(cloth_v3_load(v->r, k), -alpha * v->free[k], cloth_v3_load(v->q, k));
+    cloth_v3 z =
+        cloth_v3_scale(v->free[k], cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r));
     cloth_v3_store(v->r, k, r);
     cloth_v3_store(v->z, k, z);
     rz += cloth_v3_dot(r, z), rr += cloth_v3_dot(r, r);

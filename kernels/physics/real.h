@@ -14,23 +14,23 @@
 #ifdef CLOTH_SINGLE_PRECISION
 typedef float cloth_real;
 #define CLOTH_REAL_EPSILON 1.1920929e-07f // distance from 1 to the next number
-#define cloth_sqrt  sqrtf
-#define cloth_fabs  fabsf
-#define cloth_fmin  fminf
-#define cloth_fmax  fmaxf
-#define cloth_atan2 atan2f
-#define cloth_sin   sinf
-#define cloth_cos   cosf
+#define cloth_sqrt         sqrtf
+#define cloth_fabs         fabsf
+#define cloth_fmin         fminf
+#define cloth_fmax         fmaxf
+#define cloth_atan2        atan2f
+#define cloth_sin          sinf
+#define cloth_cos          cosf
 #else
 typedef double cloth_real;
 #define CLOTH_REAL_EPSILON 2.2204460492503131e-16
-#define cloth_sqrt  sqrt
-#define cloth_fabs  fabs
-#define cloth_fmin  fmin
-#define cloth_fmax  fmax
-#define cloth_atan2 atan2
-#define cloth_sin   sin
-#define cloth_cos   cos
+#define cloth_sqrt         sqrt
+#define cloth_fabs         fabs
+#define cloth_fmin         fmin
+#define cloth_fmax         fmax
+#define cloth_atan2        atan2
+#define cloth_sin          sin
+#define cloth_cos          cos
 #endif
 
 typedef struct cloth_v3 {

@@ -13,6 +13,7 @@ typedef struct cloth_triangle_box_args {
 CLOTH_FN void cloth_triangle_box(int i, const cloth_triangle_box_args *a)
 {
   const int *t = a->triangle + 3 * (a->first + i);
-  cloth_box b = cloth_box_union(cloth_box_load(a->vertex_box, t[0]), cloth_box_load(a->vertex_box, t[1]));
+  cloth_box b =
+      cloth_box_union(cloth_box_load(a->vertex_box, t[0]), cloth_box_load(a->vertex_box, t[1]));
   cloth_box_store(a->box, a->first + i, cloth_box_union(b, cloth_box_load(a->vertex_box, t[2])));
 }

@@ -1,0 +1,21 @@
+// The box of a chunk of vertices on their way through the substep.
+#pragma once
+
+#include "box.h"
+#include "chunk.h"
+
+typedef struct cloth_box_chunk_args {
+  int count;              // vertices
+  const cloth_real *x_t0; // [count x 3] m
+  const cloth_real *x;    // [count x 3] m
+  cloth_real *box;        // [chunks x 6] m, written
+} cloth_box_chunk_args;
+
+CLOTH_FN void cloth_box_chunk(int i, const cloth_box_chunk_args *a)
+{
+  int v = i * CLOTH_CHUNK, end = cloth_chunk_end(0, a->count, i);
+  cloth_box b = cloth_box_swept(cloth_v3_load(a->x_t0, v), cloth_v3_load(a->x, v), 0);
+  for (v++; v < end; v++)
+    b = cloth_box_union(b, cloth_box_swept(cloth_v3_load(a->x_t0, v), cloth_v3_load(a->x, v), 0));
+  cloth_box_store(a->box, i, b);
+}

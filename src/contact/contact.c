@@ -1,0 +1,173 @@
+// Which pairs touch, as planes for this substep, and their forces at each iterate. The list is
+// sorted by key, so neither the order of the search nor the number of threads or parts shows in the
+// sums.
+#include "contact/contact.h"
+
+#include "contact/pairs.h"
+#include "contact_build.h"
+#include "contact_count.h"
+#include "contact_entry.h"
+#include "contact_find.h"
+#include "contact_force.h"
+#include "contact_row.h"
+#include "effect/effect.h"
+
+enum { COUNT_CONTACTS = 3, COUNT_TOTALS = 6 }; // places in part->counter
+
+cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *p)
+{
+  cloth_contact_scene s = {.cloth_vertices = sim->vertex_count,
+                           .triangle = p->triangle,
+                           .edge = p->edge,
+                           .x_t0 = p->x_t0,
+                           .x = p->x,
+                           .rest = p->x_rest,
+                           .free = p->free,
+                           .mass = p->mass,
+                           .cloth_of = p->cloth_of,
+                           .body_of = p->body_of,
+                           .body_friction = p->body_friction,
+                           .grasp_of = p->grasp_of,
+                           .ignore = p->ignore,
+                           .bodies = sim->def->body_count,
+                           .thickness = (cloth_real)sim->params.thickness,
+                           .friction = (cloth_real)sim->params.friction,
+                           .format = sim->format};
+  return s;
+}
+
+static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth_error *err)
+{
+  if (n <= p->contact_capacity) return CLOTH_OK;
+  const size_t real = sizeof(cloth_real);
+  CLOTH_TRY(cloth_grow(sim, p, "contact", 8 * n, &p->contact, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_spare", 8 * n, &p->contact_spare, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_vertex", 4 * sizeof(int) * n, &p->contact_vertex, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_weight", 4 * real * n, &p->contact_weight, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_normal", 3 * real * n, &p->contact_normal, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_distance", real * n, &p->contact_distance, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_thickness", real * n, &p->contact_thickness, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_k", real * n, &p->contact_k, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_mu", real * n, &p->contact_mu, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_force", 3 * real * n, &p->contact_force, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_tangent", 6 * real * n, &p->contact_tangent, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_pressure", real * n, &p->contact_pressure, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_q", 3 * real * n, &p->contact_q, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_row", 4 * 8 * n, &p->contact_row, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_row_spare", 4 * 8 * n, &p->contact_row_spare, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_entry", 4 * 4 * n, &p->contact_entry, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_entry_spare", 4 * 4 * n, &p->contact_entry_spare, err));
+  p->contact_capacity = (uint32_t)(n + n / 2);
+  return CLOTH_OK;
+}
+
+static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  for (;;) {
+    uint32_t count;
+    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 1, err));
+    cloth_contact_find_args a = {cloth_contact_scene_of(sim, p), p->pair, p->contact,
+                                 p->contact_capacity, p->counter + COUNT_CONTACTS};
+    CLOTH_LAUNCH(sim, p, contact_find, p->pair_count, &a, err);
+    CLOTH_TRY(cloth_count_read(sim, p, COUNT_CONTACTS, &count, err));
+    p->contact_count = (int)count;
+    if (count <= p->contact_capacity) return CLOTH_OK;
+    CLOTH_TRY(grow_contacts(sim, p, count, err)); // too small: once more
+  }
+}
+
+static int bits_below(int n)
+{
+  int bits = 1;
+  while (n >> bits) bits++;
+  return bits;
+}
+
+// each row's contacts, in one order
+static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  int rows = p->v1 - p->v0, entries = 4 * p->contact_count;
+  if (p->contact_first == NULL)
+    CLOTH_TRY(cloth_take(sim, p, "contact_first", sizeof(uint32_t) * ((size_t)rows + 1),
+                         &p->contact_first, err));
+  cloth_contact_entry_args e = {p->v0, p->v1, p->contact_vertex, p->contact_row, p->contact_entry};
+  CLOTH_LAUNCH(sim, p, contact_entry, p->contact_count, &e, err);
+  CLOTH_TRY(sim->backend->sort(p->device, entries, bits_below(rows), p->contact_row,
+                               p->contact_entry, p->contact_row_spare, p->contact_entry_spare,
+                               err));
+  cloth_contact_row_args r = {entries, p->contact_row, p->contact_first};
+  return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, rows + 1, &r, err);
+}
+
+cloth_status cloth_contact_build_stage(cloth_sim *sim, cloth_error *err)
+{
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(find(sim, p, err));
+    if (p->contact_count == 0) continue;
+    CLOTH_TRY(sim->backend->sort(p->device, p->contact_count,
+                                 1 + sim->format.bits_a + sim->format.bits_b, p->contact, NULL,
+                                 p->contact_spare, NULL, err));
+    cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
+                                  .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                  .inverse_step = (cloth_real)(1 / sim->h),
+                                  .contact = p->contact,
+                                  .vertex = p->contact_vertex,
+                                  .weight = p->contact_weight,
+                                  .normal = p->contact_normal,
+                                  .distance = p->contact_distance,
+                                  .thickness = p->contact_thickness,
+                                  .k = p->contact_k,
+                                  .mu = p->contact_mu};
+    CLOTH_LAUNCH(sim, p, contact_build, p->contact_count, &a, err);
+    CLOTH_TRY(index_rows(sim, p, err));
+  }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err)
+{
+  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
+                                                      : CLOTH_EFFECT_body_contact;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_contact_force_args a = {.vertex = p->contact_vertex,
+                                  .weight = p->contact_weight,
+                                  .normal = p->contact_normal,
+                                  .distance = p->contact_distance,
+                                  .thickness = p->contact_thickness,
+                                  .k = p->contact_k,
+                                  .mu = p->contact_mu,
+                                  .x_t0 = p->x_t0,
+                                  .x = p->x,
+                                  .slip_least =
+                                      (cloth_real)(sim->params.friction_slip_speed * sim->h),
+                                  .first_iterate = iteration == 0,
+                                  .friction = sim->active[CLOTH_EFFECT_friction],
+                                  .force = p->contact_force,
+                                  .tangent = p->contact_tangent,
+                                  .pressure = p->contact_pressure};
+    CLOTH_LAUNCH(sim, p, contact_force, p->contact_count, &a, err);
+  }
+  sim->owner = CLOTH_CORE;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err)
+{
+  sim->report->contacts_self = sim->report->contacts_body = 0;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    uint32_t count[2];
+    if (p->contact_count == 0) continue;
+    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_TOTALS, 2, err));
+    cloth_contact_count_args a = {
+        sim->vertex_count,        p->v0, p->v1, p->contact_vertex, p->contact_pressure,
+        p->counter + COUNT_TOTALS};
+    CLOTH_LAUNCH(sim, p, contact_count, p->contact_count, &a, err);
+    CLOTH_TRY(sim->backend->read(p->device, count, p->counter + COUNT_TOTALS, sizeof count, err));
+    sim->report->contacts_self += (int)count[0];
+    sim->report->contacts_body += (int)count[1];
+  }
+  return CLOTH_OK;
+}

@@ -1,0 +1,261 @@
+// Broad phase: which features may touch in this substep. A spatial hash of triangles, a workload
+// table cut into equal shares, and pairs of features as sorted keys. The list stays valid until a
+// vertex leaves the region for which it was made (pair_slack), so cloth at rest is not searched
+// again.
+#include "contact/pairs.h"
+
+#include "cell_count.h"
+#include "cell_fill.h"
+#include "chunk.h"
+#include "effect/effect.h"
+#include "entry_work.h"
+#include "pair_large.h"
+#include "pair_share.h"
+#include "triangle_box.h"
+#include "vertex_box.h"
+#include "vertex_escape.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS }; // places in part->counter
+
+cloth_status cloth_count_read(cloth_sim *sim, cloth_part *part, int place, uint32_t *out,
+                              cloth_error *err)
+{
+  return sim->backend->read(part->device, out, part->counter + place, sizeof *out, err);
+}
+
+cloth_status cloth_count_clear(cloth_sim *sim, cloth_part *part, int place, int n, cloth_error *err)
+{
+  return sim->backend->fill(part->device, part->counter + place, 0, sizeof(uint32_t) * (size_t)n,
+                            err);
+}
+
+// ---- is a search due? ---------------------------------------------------------------------------
+
+cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
+{
+  cloth_part *p = &sim->part[0]; // every part sees the same
+  uint32_t count = 0;
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_ESCAPED, 1, err));
+  cloth_vertex_escape_args a = {0, p->x_t0, p->x, p->vertex_box, p->counter + COUNT_ESCAPED};
+  CLOTH_LAUNCH(sim, p, vertex_escape, sim->vertex_count, &a, err);
+  for (int b = 0; b < sim->def->body_count; b++) {
+    if (!sim->body[b].near) continue;
+    a.first = sim->body[b].vertex_first;
+    CLOTH_LAUNCH(sim, p, vertex_escape, sim->body[b].vertex_count, &a, err);
+  }
+  CLOTH_TRY(cloth_count_read(sim, p, COUNT_ESCAPED, &count, err));
+  *escaped = count > 0;
+  return CLOTH_OK;
+}
+
+// ---- regions ------------------------------------------------------------------------------------
+
+static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, cloth_error *err)
+{
+  cloth_vertex_box_args v = {0, p->x_t0, p->x, (cloth_real)slack, p->vertex_box};
+  cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, p->triangle_box};
+  CLOTH_LAUNCH(sim, p, vertex_box, sim->vertex_count, &v, err);
+  CLOTH_LAUNCH(sim, p, triangle_box, sim->triangle_count, &t, err);
+  for (int b = 0; b < sim->def->body_count; b++) {
+    if (!sim->body[b].near) continue;
+    v.first = sim->body[b].vertex_first, t.first = sim->body[b].triangle_first;
+    CLOTH_LAUNCH(sim, p, vertex_box, sim->body[b].vertex_count, &v, err);
+    CLOTH_LAUNCH(sim, p, triangle_box, sim->body[b].triangle_count, &t, err);
+  }
+  return CLOTH_OK;
+}
+
+static int count_near_triangles(const cloth_sim *sim)
+{
+  int n = 0;
+  for (int b = 0; b < sim->def->body_count; b++)
+    n += sim->body[b].near ? sim->body[b].triangle_count : 0;
+  return n;
+}
+
+static cloth_status list_near_triangles(cloth_sim *sim, cloth_part *p, int n, cloth_error *err)
+{
+  if (n == 0) return CLOTH_OK;
+  CLOTH_TRY(cloth_staging(sim, (size_t)n, err)); // an int is no larger than a cloth_real
+  int *list = (int *)(void *)sim->host, k = 0;
+  for (int b = 0; b < sim->def->body_count; b++)
+    for (int t = 0; sim->body[b].near && t < sim->body[b].triangle_count; t++)
+      list[k++] = sim->body[b].triangle_first + t;
+  return sim->backend->write(p->device, p->body_triangle, list, sizeof *list * (size_t)n, err);
+}
+
+// cells about as large as a swept triangle's box; the grid spans the cloth
+static cloth_grid choose_grid(const cloth_sim *sim, double gap, double slack)
+{
+  double sweep = fmin(sim->speed_last * sim->h, 4 * sim->mean_edge);
+  double cell = 1.2 * sim->mean_edge + gap + 2 * slack + 0.7 * sweep;
+  double lo[3] = {(double)sim->cloth_box.lo.x, (double)sim->cloth_box.lo.y,
+                  (double)sim->cloth_box.lo.z};
+  double hi[3] = {(double)sim->cloth_box.hi.x, (double)sim->cloth_box.hi.y,
+                  (double)sim->cloth_box.hi.z};
+  double reach = gap + slack, longest = 0;
+  for (int k = 0; k < 3; k++) longest = fmax(longest, hi[k] - lo[k] + 2 * reach);
+  cell = fmax(cell, longest / 1023);
+  cloth_grid g;
+  g.inverse = (cloth_real)(1 / cell);
+  for (int k = 0; k < 3; k++) {
+    g.origin[k] = (cloth_real)(lo[k] - reach);
+    g.size[k] = (int)((hi[k] - lo[k] + 2 * reach) / cell) + 1;
+  }
+  return g;
+}
+
+static int key_bits(const cloth_grid *g)
+{
+  uint64_t cells = (uint64_t)g->size[0] * (uint64_t)g->size[1] * (uint64_t)g->size[2];
+  int bits = 1;
+  while (bits < 63 && cells >> bits) bits++;
+  return bits;
+}
+
+// ---- the hash -----------------------------------------------------------------------------------
+
+typedef struct hash {
+  cloth_grid grid;
+  double gap; // m, distance at which a pair counts
+  int active; // triangles: cloth, then near bodies
+  int entries, units, large;
+} hash;
+
+static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cloth_error *err)
+{
+  if (entries <= p->cell_capacity) return CLOTH_OK;
+  CLOTH_TRY(cloth_grow(sim, p, "cell_key", 8 * entries, &p->cell_key, err));
+  CLOTH_TRY(cloth_grow(sim, p, "cell_key_spare", 8 * entries, &p->cell_key_spare, err));
+  CLOTH_TRY(cloth_grow(sim, p, "cell_triangle", 4 * entries, &p->cell_triangle, err));
+  CLOTH_TRY(cloth_grow(sim, p, "cell_triangle_spare", 4 * entries, &p->cell_triangle_spare, err));
+  CLOTH_TRY(cloth_grow(sim, p, "work", 4 * (entries + 1), &p->work, err));
+  p->cell_capacity = (uint32_t)(entries + entries / 2);
+  return CLOTH_OK;
+}
+
+static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+{
+  const cloth_backend *be = sim->backend;
+  cloth_real gap = (cloth_real)(h->gap / 2);
+  if ((uint32_t)h->active >= p->active_capacity) {
+    CLOTH_TRY(cloth_grow(sim, p, "cells", 4 * ((size_t)h->active + 1), &p->cells, err));
+    CLOTH_TRY(cloth_grow(sim, p, "large", 4 * ((size_t)h->active + 1), &p->large, err));
+    p->active_capacity = (uint32_t)(h->active + h->active / 2);
+  }
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LARGE, 2, err));
+  cloth_cell_count_args count = {.grid = h->grid,
+                                 .gap = gap,
+                                 .cloth_triangles = sim->triangle_count,
+                                 .body_triangle = p->body_triangle,
+                                 .box = p->triangle_box,
+                                 .count = p->cells,
+                                 .large = p->large,
+                                 .large_count = p->counter + COUNT_LARGE};
+  cloth_box_store(count.cloth_box, 0, sim->cloth_box);
+  CLOTH_LAUNCH(sim, p, cell_count, h->active, &count, err);
+  CLOTH_TRY(be->scan(p->device, h->active, p->cells, err));
+  uint32_t entries, large;
+  CLOTH_TRY(be->read(p->device, &entries, p->cells + h->active, sizeof entries, err));
+  CLOTH_TRY(cloth_count_read(sim, p, COUNT_LARGE, &large, err));
+  h->entries = (int)entries, h->large = (int)large;
+  CLOTH_TRY(grow_cells(sim, p, entries, err));
+  cloth_cell_fill_args fill = {h->grid,         gap,      sim->triangle_count, p->body_triangle,
+                               p->triangle_box, p->cells, p->cell_key,         p->cell_triangle};
+  CLOTH_LAUNCH(sim, p, cell_fill, h->active, &fill, err);
+  return be->sort(p->device, h->entries, key_bits(&h->grid), p->cell_key, p->cell_triangle,
+                  p->cell_key_spare, p->cell_triangle_spare, err);
+}
+
+static cloth_status weigh_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+{
+  cloth_entry_work_args a = {h->entries, p->cell_key, p->cell_triangle, sim->triangle_count,
+                             p->work};
+  CLOTH_LAUNCH(sim, p, entry_work, h->entries, &a, err);
+  CLOTH_TRY(sim->backend->scan(p->device, h->entries, p->work, err));
+  uint32_t units;
+  CLOTH_TRY(sim->backend->read(p->device, &units, p->work + h->entries, sizeof units, err));
+  h->units = (int)units;
+  return CLOTH_OK;
+}
+
+// ---- pairs --------------------------------------------------------------------------------------
+
+static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, const hash *h, cloth_pair_mesh *mesh,
+                               cloth_error *err)
+{
+  mesh->key = p->pair, mesh->capacity = p->pair_capacity;
+  mesh->count = p->counter + COUNT_PAIRS;
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_PAIRS, 1, err));
+  cloth_pair_share_args share = {
+      *mesh, h->grid, (cloth_real)(h->gap / 2), h->entries, p->cell_key, p->cell_triangle, p->work};
+  CLOTH_LAUNCH(sim, p, pair_share, (h->units + CLOTH_SHARE - 1) / CLOTH_SHARE, &share, err);
+  int chunks = (sim->triangle_count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+  cloth_pair_large_args large = {*mesh, chunks, p->large};
+  CLOTH_LAUNCH(sim, p, pair_large, h->large * chunks, &large, err);
+  return CLOTH_OK;
+}
+
+cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, double slack,
+                                 bool triangles_only, cloth_error *err)
+{
+  hash h = {.grid = choose_grid(sim, gap, slack), .gap = gap};
+  int near = count_near_triangles(sim);
+  h.active = sim->triangle_count + near;
+  CLOTH_TRY(list_near_triangles(sim, p, near, err));
+  CLOTH_TRY(make_boxes(sim, p, slack, err));
+  CLOTH_TRY(fill_cells(sim, p, &h, err));
+  CLOTH_TRY(weigh_cells(sim, p, &h, err));
+  cloth_pair_mesh mesh = {.cloth_vertices = sim->vertex_count,
+                          .cloth_triangles = sim->triangle_count,
+                          .triangle = p->triangle,
+                          .triangle_edge = p->triangle_edge,
+                          .owns = p->owns,
+                          .edge = p->edge,
+                          .vertex_box = p->vertex_box,
+                          .box = p->triangle_box,
+                          .gap = (cloth_real)gap,
+                          .self = sim->active[CLOTH_EFFECT_self_contact] && !triangles_only,
+                          .first = p->v0,
+                          .last = p->v1,
+                          .triangles_only = triangles_only,
+                          .format = sim->format};
+  for (;;) {
+    uint32_t count;
+    CLOTH_TRY(emit_pairs(sim, p, &h, &mesh, err));
+    CLOTH_TRY(cloth_count_read(sim, p, COUNT_PAIRS, &count, err));
+    p->pair_count = (int)count;
+    if (count <= p->pair_capacity) return CLOTH_OK;
+    CLOTH_TRY(cloth_grow(sim, p, "pair", 8 * (size_t)count, &p->pair, err)); // too small: once more
+    p->pair_capacity = count + count / 2;
+  }
+}
+
+cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err)
+{
+  sim->report->pair_searches++;
+  sim->report->pairs = 0;
+  for (int p = 0; p < sim->part_count; p++) {
+    CLOTH_TRY(cloth_pairs_of_part(sim, &sim->part[p], sim->params.thickness, sim->params.pair_slack,
+                                  false, err));
+    sim->report->pairs +=
+        sim->part[p].pair_count; // a pair on a border is counted by each of its parts
+  }
+  sim->pairs_valid = true;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
+{
+  bool escaped = true;
+  if (sim->pairs_valid) CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
+  if (sim->pairs_valid && !escaped) {
+    sim->report->pairs = 0;
+    for (int p = 0; p < sim->part_count; p++) sim->report->pairs += sim->part[p].pair_count;
+    return CLOTH_OK;
+  }
+  return cloth_pairs_search(sim, err);
+}

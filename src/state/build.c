@@ -1,0 +1,230 @@
+// From a description to what the engine steps: internal numbering, masses, parts and their memory.
+#include "state/build.h"
+
+#include "chunk.h"
+#include "commit_chunk.h"
+#include "effect/effect.h"
+#include "impact_find.h"
+#include "pcg.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- devices and parts --------------------------------------------------------------------------
+
+static cloth_status choose_backend(cloth_sim *sim, cloth_error *err)
+{
+  const char *name = sim->def->backend;
+  if (strcmp(name, "shuffle") == 0)
+    sim->backend = cloth_backend_shuffle(1);
+  else if (strcmp(name, "cpu") == 0 || strcmp(name, "auto") == 0 || name[0] == 0)
+    sim->backend = cloth_backend_cpu();
+  else
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "backend '%s' is not in this build: auto, cpu, shuffle",
+               name);
+  return CLOTH_OK;
+}
+
+// parts own whole chunks, so that sums over chunks do not depend on the cut
+static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
+{
+  sim->chunks = (sim->vertex_count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+  int parts = sim->def->device_count > 0 ? sim->def->device_count : 1;
+  for (int p = 0; p < parts; p++) {
+    cloth_part *part = &sim->part[p];
+    int index = sim->def->device[p];
+    if (index < 0 || index >= sim->backend->device_count())
+      CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "device %d is not in [0, %d) of backend %s", index,
+                 sim->backend->device_count(), sim->backend->name);
+    part->index = p;
+    part->v0 = (int)((int64_t)sim->chunks * p / parts) * CLOTH_CHUNK;
+    part->v1 = (int)((int64_t)sim->chunks * (p + 1) / parts) * CLOTH_CHUNK;
+    if (part->v1 > sim->vertex_count) part->v1 = sim->vertex_count;
+    if (part->v0 > sim->vertex_count) part->v0 = sim->vertex_count;
+    CLOTH_TRY(sim->backend->open(index, sim->params.threads, &part->device, err));
+    sim->part_count = p + 1;
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->ready, err));
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->sent, err));
+  }
+  return CLOTH_OK;
+}
+
+// ---- memory of a part ---------------------------------------------------------------------------
+
+static cloth_status take_reals(cloth_sim *sim, cloth_part *p, const char *name, int rows, int width,
+                               void *out, cloth_error *err)
+{
+  return cloth_take(sim, p, name, sizeof(cloth_real) * (size_t)rows * (size_t)width, out, err);
+}
+
+static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  int n = sim->vertex_count, all = sim->all_vertices, padded = sim->chunks * CLOTH_CHUNK;
+  CLOTH_TRY(take_reals(sim, p, "x_t0", all, 3, &p->x_t0, err));
+  CLOTH_TRY(take_reals(sim, p, "x", all, 3, &p->x, err));
+  CLOTH_TRY(take_reals(sim, p, "v", n, 3, &p->v, err));
+  CLOTH_TRY(take_reals(sim, p, "v_next", n, 3, &p->v_next, err));
+  CLOTH_TRY(take_reals(sim, p, "x_pred", n, 3, &p->x_pred, err));
+  CLOTH_TRY(take_reals(sim, p, "x_saved", n, 3, &p->x_saved, err));
+  CLOTH_TRY(take_reals(sim, p, "v_saved", n, 3, &p->v_saved, err));
+  CLOTH_TRY(cloth_upload_real(sim, p, "x_rest", sim->rest, 3 * n, &p->x_rest, err));
+  CLOTH_TRY(cloth_upload_real(sim, p, "mass", sim->mass, n, &p->mass, err));
+  for (int i = 0; i < n; i++) sim->host[i] = 1;
+  CLOTH_TRY(cloth_upload(sim, p, "free", sim->host, sizeof(cloth_real) * (size_t)n, &p->free, err));
+  cloth_real **solve[] = {&p->b, &p->dx, &p->r, &p->z, &p->p, &p->q};
+  for (int i = 0; i < 6; i++) CLOTH_TRY(take_reals(sim, p, "solve", padded, 3, solve[i], err));
+  CLOTH_TRY(take_reals(sim, p, "inverse_diagonal", padded, 6, &p->inverse_diagonal, err));
+  CLOTH_TRY(take_reals(sim, p, "partial", sim->chunks, 2, &p->partial, err));
+  CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
+  CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
+  CLOTH_TRY(take_reals(sim, p, "box_of_chunk", sim->chunks, 6, &p->box_of_chunk, err));
+  return take_reals(sim, p, "largest", sim->chunks, 1, &p->largest, err);
+}
+
+// what contact needs; a scene without contact takes none of it
+static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  size_t t = (size_t)sim->all_triangles, n = (size_t)sim->vertex_count;
+  CLOTH_TRY(
+      cloth_upload(sim, p, "triangle", sim->triangle, sizeof(int) * 3 * t, &p->triangle, err));
+  CLOTH_TRY(cloth_upload(sim, p, "triangle_edge", sim->triangle_edge, sizeof(int) * 3 * t,
+                         &p->triangle_edge, err));
+  CLOTH_TRY(cloth_upload(sim, p, "owns", sim->owns, sizeof(int) * t, &p->owns, err));
+  CLOTH_TRY(cloth_upload(sim, p, "edge", sim->edge, sizeof(int) * 2 * (size_t)sim->all_edges,
+                         &p->edge, err));
+  CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
+  CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
+  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 8, &p->counter, err));
+  int *number = malloc(sizeof(int) * (n + (size_t)sim->all_vertices + 1));
+  if (number == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "contact");
+  for (int c = 0; c < sim->def->cloth_count; c++)
+    for (int v = sim->cloth_first[c]; v < sim->cloth_first[c + 1]; v++) number[v] = c;
+  cloth_status status =
+      cloth_upload(sim, p, "cloth_of", number, sizeof(int) * n, &p->cloth_of, err);
+  for (size_t v = 0; v < n; v++) number[v] = CLOTH_WHOLE;
+  if (status == CLOTH_OK)
+    status = cloth_upload(sim, p, "allowed", number, sizeof(int) * n, &p->allowed, err);
+  if (status == CLOTH_OK)
+    status = cloth_take(sim, p, "grasp_of", sizeof(int) * n, &p->grasp_of, err);
+  free(number);
+  return status;
+}
+
+static cloth_status take_bodies(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  int bodies = sim->def->body_count, n = sim->all_vertices - sim->vertex_count;
+  double *local = malloc(sizeof *local * 3 * (size_t)(n + 1)),
+         *friction = malloc(sizeof *friction * (size_t)bodies);
+  int *body_of = malloc(sizeof *body_of * (size_t)(n + 1));
+  cloth_status status = CLOTH_NO_MEMORY;
+  if (!local || !friction || !body_of) {
+    cloth_fail(err, status, __FILE__, __LINE__, "bodies");
+    goto done;
+  }
+  for (int b = 0; b < bodies; b++) {
+    const cloth_mesh *m = &sim->def->body[b].mesh;
+    int first = sim->body[b].vertex_first - sim->vertex_count;
+    memcpy(local + 3 * first, m->position, sizeof *local * 3 * (size_t)m->vertex_count);
+    for (int v = 0; v < m->vertex_count; v++) body_of[first + v] = b;
+    friction[b] = sim->active[CLOTH_EFFECT_friction] ? sim->def->body[b].friction : 0;
+  }
+  CLOTH_TRY_GOTO(cloth_upload_real(sim, p, "body_local", local, 3 * n, &p->body_local, err), status,
+                 done);
+  CLOTH_TRY_GOTO(
+      cloth_upload_real(sim, p, "body_friction", friction, bodies, &p->body_friction, err), status,
+      done);
+  CLOTH_TRY_GOTO(
+      cloth_upload(sim, p, "body_of", body_of, sizeof(int) * (size_t)n, &p->body_of, err), status,
+      done);
+  CLOTH_TRY_GOTO(cloth_take(sim, p, "body_triangle",
+                            sizeof(int) * (size_t)(sim->all_triangles - sim->triangle_count),
+                            &p->body_triangle, err),
+                 status, done);
+done:
+  free(local), free(friction), free(body_of);
+  return status;
+}
+
+static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  sim->owner = CLOTH_CORE;
+  CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->all_vertices + 16, err));
+  CLOTH_TRY(take_vertices(sim, p, err));
+  CLOTH_TRY(cloth_effects_prepare(sim, p, err));
+  bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
+  sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
+  if (self || body) CLOTH_TRY(take_contact(sim, p, err));
+  sim->owner = CLOTH_EFFECT_body_contact;
+  if (body) CLOTH_TRY(take_bodies(sim, p, err));
+  sim->owner = CLOTH_CORE;
+  return CLOTH_OK;
+}
+
+// ---- life ---------------------------------------------------------------------------------------
+
+void cloth_sim_free(void *data)
+{
+  cloth_sim *sim = data;
+  if (sim == NULL) return;
+  for (int p = 0; p < sim->part_count; p++) {
+    cloth_part *part = &sim->part[p];
+    if (part->device == NULL) continue;
+    sim->backend->finish(part->device, NULL);
+    for (int i = 0; i < part->block_count; i++)
+      sim->backend->release(part->device, part->block[i].data);
+    free(part->block);
+    sim->backend->event_free(part->ready);
+    sim->backend->event_free(part->sent);
+  }
+  for (int p = 0; p < sim->part_count; p++) sim->backend->close(sim->part[p].device);
+  for (int h = 0; h < sim->hold_capacity; h++) {
+    free(sim->hold[h].vertex), free(sim->hold[h].local), free(sim->hold[h].ignore);
+  }
+  free(sim->hold), free(sim->body);
+  free(sim->cloth_first), free(sim->triangle_first), free(sim->order), free(sim->internal);
+  free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
+      free(sim->owns);
+  free(sim->hinge), free(sim->hinge_triangle), free(sim->rest), free(sim->mass), free(sim->host),
+      free(sim->held_index);
+  free(sim);
+}
+
+static int bits_for(int n)
+{
+  int bits = 1;
+  while (bits < 31 && n >> bits) bits++;
+  return bits;
+}
+
+cloth_status cloth_sim_new(const cloth_def *def, void **out, cloth_error *err)
+{
+  cloth_sim *sim = calloc(1, sizeof *sim);
+  if (sim == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "scene");
+  sim->def = def;
+  sim->params = def->params;
+  sim->owner = CLOTH_CORE;
+  cloth_status status;
+  CLOTH_TRY_GOTO(choose_backend(sim, err), status, fail);
+  CLOTH_TRY_GOTO(cloth_number(sim, err), status, fail);
+  CLOTH_TRY_GOTO(cloth_topology_build(sim, err), status, fail);
+  int edges = sim->all_edges, vertices = sim->all_vertices, triangles = sim->all_triangles;
+  sim->format.bits_a = bits_for(edges > vertices ? edges : vertices);
+  sim->format.bits_b = bits_for(edges > triangles ? edges : triangles);
+  CLOTH_TRY_GOTO(cloth_effects_choose(sim, err), status, fail);
+  CLOTH_TRY_GOTO(open_parts(sim, err), status, fail);
+  for (int p = 0; p < sim->part_count; p++)
+    CLOTH_TRY_GOTO(build_part(sim, &sim->part[p], err), status, fail);
+  int pinned = 0;
+  for (int i = 0; i < def->pin_count; i++)
+    pinned += def->cloth[def->pin[i].cloth].group[def->pin[i].group].count;
+  if (def->pin_count > 0)
+    CLOTH_TRY_GOTO(cloth_holds_reserve(sim, def->pin_count, pinned, err), status, fail);
+  CLOTH_TRY_GOTO(cloth_sim_reset(sim, err), status, fail);
+  *out = sim;
+  return CLOTH_OK;
+fail:
+  cloth_sim_free(sim);
+  return status;
+}

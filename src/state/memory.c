@@ -1,0 +1,99 @@
+// Device memory by name and owner, so that "what is not wanted allocates no byte" can be counted.
+#include "state/sim.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void charge(cloth_sim *sim, int owner, size_t bytes, int sign)
+{
+  sim->bytes += sign > 0 ? bytes : (uint64_t)0 - bytes;
+  if (owner >= 0) sim->effect_bytes[owner] += sign > 0 ? bytes : (uint64_t)0 - bytes;
+}
+
+cloth_status cloth_take(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes, void *out,
+                        cloth_error *err)
+{
+  if (part->block_count == part->block_capacity) {
+    int capacity = part->block_capacity ? 2 * part->block_capacity : 64;
+    cloth_block *block = realloc(part->block, sizeof *block * (size_t)capacity);
+    if (block == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: host memory", name);
+    part->block = block;
+    part->block_capacity = capacity;
+  }
+  void *data = NULL;
+  CLOTH_TRY(sim->backend->alloc(part->device, bytes, &data, err));
+  part->block[part->block_count++] = (cloth_block){data, bytes, sim->owner, name};
+  charge(sim, sim->owner, bytes, +1);
+  sim->allocations++;
+  CLOTH_TRY(sim->backend->fill(part->device, data, 0, bytes, err));
+  memcpy(out, &data, sizeof data);
+  return CLOTH_OK;
+}
+
+static void forget(cloth_sim *sim, cloth_part *part, int i)
+{
+  charge(sim, part->block[i].owner, part->block[i].bytes, -1);
+  sim->backend->release(part->device, part->block[i].data);
+  part->block[i] = part->block[--part->block_count];
+}
+
+cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                        void *data, cloth_error *err)
+{
+  void *old;
+  memcpy(&old, data, sizeof old);
+  for (int i = 0; old != NULL && i < part->block_count; i++) {
+    if (part->block[i].data != old) continue;
+    if (part->block[i].bytes >= bytes) return CLOTH_OK;
+    CLOTH_TRY(sim->backend->finish(part->device, err)); // somebody may still read it
+    forget(sim, part, i);
+    sim->growths++;
+    break;
+  }
+  old = NULL;
+  memcpy(data, &old, sizeof old);
+  return cloth_take(sim, part, name, bytes + bytes / 2, data, err);
+}
+
+cloth_status cloth_upload(cloth_sim *sim, cloth_part *part, const char *name, const void *host,
+                          size_t bytes, void *out, cloth_error *err)
+{
+  CLOTH_TRY(cloth_take(sim, part, name, bytes, out, err));
+  void *data;
+  memcpy(&data, out, sizeof data);
+  return bytes > 0 ? sim->backend->write(part->device, data, host, bytes, err) : CLOTH_OK;
+}
+
+cloth_status cloth_staging(cloth_sim *sim, size_t reals, cloth_error *err)
+{
+  if (sim->host_bytes >= reals * sizeof(cloth_real)) return CLOTH_OK;
+  cloth_real *host = realloc(sim->host, reals * sizeof(cloth_real));
+  if (host == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "staging: %zu numbers", reals);
+  sim->host = host;
+  sim->host_bytes = reals * sizeof(cloth_real);
+  sim->allocations++;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_upload_real(cloth_sim *sim, cloth_part *part, const char *name,
+                               const double *host, int n, void *out, cloth_error *err)
+{
+  CLOTH_TRY(cloth_staging(sim, (size_t)n, err));
+  for (int i = 0; i < n; i++) sim->host[i] = (cloth_real)host[i];
+  return cloth_upload(sim, part, name, sim->host, sizeof(cloth_real) * (size_t)n, out, err);
+}
+
+void cloth_drop(cloth_sim *sim, cloth_part *part, int owner)
+{
+  for (int i = part->block_count - 1; i >= 0; i--)
+    if (part->block[i].owner == owner) forget(sim, part, i);
+}
+
+cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
+                          cloth_error *err)
+{
+  if (n <= 0) return CLOTH_OK;
+  sim->launches++;
+  if (sim->owner >= 0) sim->effect_launches[sim->owner]++;
+  return sim->backend->launch(part->device, k, n, args, err);
+}

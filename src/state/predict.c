@@ -1,0 +1,137 @@
+// Start of a substep: bodies and holds move to where they are at its end, everything else flies on.
+#include "predict.h"
+
+#include "body_vertex.h"
+#include "box_chunk.h"
+#include "chunk.h"
+#include "effect/effect.h"
+#include "state/sim.h"
+
+#include <math.h>
+#include <string.h>
+
+// ---- poses --------------------------------------------------------------------------------------
+
+cloth_pose cloth_pose_between(cloth_pose a, cloth_pose b, double share)
+{
+  double time[2] = {0, 1};
+  cloth_pose pose[2] = {a, b};
+  cloth_motion m = {.key_count = 2, .time = time, .pose = pose};
+  return cloth_motion_at(&m, a, share);
+}
+
+void cloth_pose_point(const cloth_pose *pose, const double p[3], double out[3])
+{
+  const double *q = pose->rotation;
+  double u[3] = {q[1] * p[2] - q[2] * p[1] + q[3] * p[0], q[2] * p[0] - q[0] * p[2] + q[3] * p[1],
+                 q[0] * p[1] - q[1] * p[0] + q[3] * p[2]};
+  double r[3] = {p[0] + 2 * (q[1] * u[2] - q[2] * u[1]), p[1] + 2 * (q[2] * u[0] - q[0] * u[2]),
+                 p[2] + 2 * (q[0] * u[1] - q[1] * u[0])};
+  for (int k = 0; k < 3; k++) out[k] = r[k] + pose->position[k];
+}
+
+void cloth_pose_matrix(const cloth_pose *pose, cloth_real out[12])
+{
+  cloth_pose turn = *pose;
+  memset(turn.position, 0, sizeof turn.position);
+  for (int c = 0; c < 3; c++) {
+    double axis[3] = {c == 0, c == 1, c == 2}, col[3];
+    cloth_pose_point(&turn, axis, col);
+    for (int r = 0; r < 3; r++) out[3 * r + c] = (cloth_real)col[r];
+  }
+  for (int k = 0; k < 3; k++) out[9 + k] = (cloth_real)pose->position[k];
+}
+
+// ---- what is near -------------------------------------------------------------------------------
+
+static cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err)
+{
+  cloth_part *p = &sim->part[0];
+  cloth_box_chunk_args a = {sim->vertex_count, p->x_t0, p->x, p->box_of_chunk};
+  CLOTH_LAUNCH(sim, p, box_chunk, sim->chunks, &a, err);
+  CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->chunks, err));
+  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->box_of_chunk,
+                               sizeof(cloth_real) * 6 * (size_t)sim->chunks, err));
+  sim->cloth_box = cloth_box_load(sim->host, 0);
+  for (int c = 1; c < sim->chunks; c++)
+    sim->cloth_box = cloth_box_union(sim->cloth_box, cloth_box_load(sim->host, c));
+  return CLOTH_OK;
+}
+
+// does the ball around a body, on its way through the substep, come near the cloth's box?
+static bool is_near(const cloth_sim *sim, const cloth_body *b, double gap)
+{
+  double c[2][3];
+  cloth_pose_point(&b->t0, b->center, c[0]);
+  cloth_pose_point(&b->t1, b->center, c[1]);
+  double lo[3] = {(double)sim->cloth_box.lo.x, (double)sim->cloth_box.lo.y,
+                  (double)sim->cloth_box.lo.z};
+  double hi[3] = {(double)sim->cloth_box.hi.x, (double)sim->cloth_box.hi.y,
+                  (double)sim->cloth_box.hi.z};
+  for (int k = 0; k < 3; k++)
+    if (!(fmin(c[0][k], c[1][k]) - b->radius <= hi[k] + gap &&
+          fmax(c[0][k], c[1][k]) + b->radius >= lo[k] - gap))
+      return false;
+  return b->vertex_count > 0;
+}
+
+static cloth_status move_bodies(cloth_sim *sim, cloth_error *err)
+{
+  double gap = sim->params.thickness + 2 * sim->params.pair_slack;
+  for (int b = 0; b < sim->def->body_count; b++) {
+    cloth_body *body = &sim->body[b];
+    bool near = is_near(sim, body, gap);
+    if (near != body->near) sim->pairs_valid = false;
+    body->near = near;
+    if (!near) continue;
+    sim->report->bodies_near++;
+    cloth_body_vertex_args a = {.first = body->vertex_first};
+    cloth_pose_matrix(&body->t0, a.pose_t0);
+    cloth_pose_matrix(&body->t1, a.pose_t1);
+    for (int p = 0; p < sim->part_count; p++) {
+      cloth_part *part = &sim->part[p];
+      a.local = part->body_local + 3 * (body->vertex_first - sim->vertex_count);
+      a.x_t0 = part->x_t0, a.x = part->x;
+      CLOTH_LAUNCH(sim, part, body_vertex, body->vertex_count, &a, err);
+    }
+  }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err)
+{
+  for (int b = 0; b < sim->def->body_count; b++) {
+    cloth_body *body = &sim->body[b];
+    body->t0 = cloth_pose_between(body->now, body->target, from);
+    body->t1 = cloth_pose_between(body->now, body->target, to);
+  }
+  cloth_predict_args a = {.h = (cloth_real)sim->h};
+  for (int k = 0; k < 3 && sim->active[CLOTH_EFFECT_gravity]; k++)
+    a.gravity[k] = (cloth_real)sim->params.gravity[k];
+  for (int p = 0; p < sim->part_count; p++) {
+    cloth_part *part = &sim->part[p];
+    a.x_t0 = part->x_t0, a.v = part->v, a.x_pred = part->x_pred, a.x = part->x;
+    a.mass_drag = sim->active[CLOTH_EFFECT_damping] ? part->mass_drag : NULL;
+    sim->owner = sim->active[CLOTH_EFFECT_gravity] ? CLOTH_EFFECT_gravity : CLOTH_CORE;
+    CLOTH_LAUNCH(sim, part, predict, sim->vertex_count, &a, err);
+  }
+  sim->owner = CLOTH_EFFECT_pins;
+  if (sim->held_count > 0) CLOTH_TRY(cloth_holds_aim(sim, to, err));
+  sim->owner = CLOTH_CORE;
+  sim->report->bodies_near = 0;
+  bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
+  sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
+  if (self || body) CLOTH_TRY(cloth_box_update(sim, err));
+  sim->owner = CLOTH_EFFECT_body_contact;
+  if (body) CLOTH_TRY(move_bodies(sim, err));
+  sim->owner = CLOTH_CORE;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err)
+{
+  CLOTH_TRY(cloth_box_update(sim, err));
+  for (int b = 0; b < sim->def->body_count; b++)
+    sim->body[b].t0 = sim->body[b].t1 = sim->body[b].now;
+  return move_bodies(sim, err);
+}

@@ -1,0 +1,296 @@
+// What the engine holds of a scene. Compiled once for float and once for double.
+//
+// Numbering. "Internal" vertex and triangle order is chosen at load for locality; cloths follow
+// each other, then bodies follow the cloths, in one numbering, so that contact treats them alike:
+// vertices [0, vertex_count) are cloth, [vertex_count, all_vertices) are bodies; edges and
+// triangles likewise. Everything public keeps the order of the file (`order`).
+//
+// Parts. Each part owns a run of cloth vertices, cut at whole chunks (kernels/physics/chunk.h),
+// holds full-length vertex vectors, and the elements and rows that its vertices need. It computes
+// those itself; only vertex vectors and the chunk sums of dot products travel (solve/exchange.c).
+#pragma once
+
+#include "backend.h"
+#include "box.h"
+#include "pair_key.h"
+#include "real.h"
+#include "scene/def.h"
+
+typedef struct cloth_sim cloth_sim;
+
+enum { CLOTH_CORE = -1 }; // owner of memory and launches that belong to no effect
+
+/// Memory on a device that is owned by the sim and freed with it.
+typedef struct cloth_block {
+  void *data;
+  size_t bytes;
+  int owner; // effect, or CLOTH_CORE
+  const char *name;
+} cloth_block;
+
+/// Elements of one kind that a part computes, and where they enter its rows.
+typedef struct cloth_elements {
+  int count, corners;
+  int owner;                  // effect
+  bool coupled;               // has off-diagonal blocks
+  int *host_vertex;           // [count x corners] on the host, until the rows are built
+  int *which;                 // [count] on the host, likewise: index in the list of the whole scene
+  int *vertex;                // [count x corners]
+  int *first, *corner, *slot; // incidence of rows, see assemble_row.h
+} cloth_elements;
+
+/// What one part holds. Device memory, except the counts.
+typedef struct cloth_part {
+  cloth_device *device;
+  int index;
+  int v0, v1;         // owned vertices
+  cloth_block *block; // every allocation, for freeing and accounting
+  int block_count, block_capacity;
+
+  // vertices: cloth [n], or cloth and bodies [all]
+  cloth_real *x_t0, *x;      // [all x 3] m, start and end of the substep
+  cloth_real *v, *v_next;    // [n x 3] m/s
+  cloth_real *x_pred;        // [n x 3] m
+  cloth_real *x_rest;        // [n x 3] m
+  cloth_real *mass;          // [n] kg
+  cloth_real *mass_drag;     // [n] 1/s, or NULL
+  cloth_real *free;          // [n] 1: moves, 0: held rigidly
+  int *cloth_of;             // [n]
+  cloth_real *body_local;    // [all - n x 3] m, body frame
+  int *body_of;              // [all - n]
+  cloth_real *body_friction; // [bodies]
+
+  // holds: pins and grasps; allocated when there is one
+  cloth_real *target;         // [n x 3] m
+  cloth_real *hold_stiffness; // [n] N/m, or NULL while no hold is compliant
+  int *held;                  // [hold_capacity] vertices
+  cloth_real *aim;            // [hold_capacity x 3] m
+  int *grasp_of;              // [n] 0, or 1 + grasp
+  unsigned char *ignore;      // [grasp_capacity x bodies]
+
+  // elements
+  cloth_elements membrane, drag, bend;
+  int *membrane_material, *drag_material;            // [count]
+  cloth_real *membrane_rest;                         // [count x 5]
+  cloth_real *membrane_stiffness, *membrane_damping; // [cloths x 4] N/m, [cloths] beta / h
+  cloth_real *membrane_force, *membrane_tangent;     // [count x 9], [count x 45]
+  cloth_real *drag_coefficient, *drag_force, *drag_tangent;
+  cloth_real *bend_stiffness, *bend_rest, *bend_damping, *bend_force, *bend_gradient, *bend_weight;
+  cloth_real *stretch, *stretch_largest; // [membrane.count], [chunks]
+
+  // pairs
+  int *triangle, *triangle_edge, *owns, *edge; // of all cloth and bodies
+  cloth_real *vertex_box, *triangle_box;       // [all x 6] m
+  int *body_triangle;                          // triangles of near bodies
+  uint32_t *cells;                             // [active + 1]
+  uint64_t *cell_key, *cell_key_spare;
+  uint32_t *cell_triangle, *cell_triangle_spare, *work, *large;
+  uint64_t *pair;
+  uint32_t *counter; // [8] small counts that the host reads
+  uint32_t cell_capacity, pair_capacity, active_capacity;
+  int pair_count;
+
+  // contacts
+  uint64_t *contact, *contact_spare;
+  int *contact_vertex;
+  cloth_real *contact_weight, *contact_normal, *contact_distance, *contact_thickness, *contact_k,
+      *contact_mu, *contact_force, *contact_tangent, *contact_pressure, *contact_q;
+  uint64_t *contact_row, *contact_row_spare;
+  uint32_t *contact_entry, *contact_entry_spare, *contact_first;
+  uint32_t contact_capacity;
+  int contact_count;
+  uint32_t *allowed; // [n] failsafe, see impact_find.h
+
+  // solve
+  int row_slots; // slots of all groups
+  int *row_first, *row_col;
+  cloth_real *row_val;
+  cloth_real *b, *dx, *r, *z, *p, *q; // [n x 3]
+  cloth_real *inverse_diagonal;       // [n x 6]
+  cloth_real *partial, *scalar;
+  cloth_real *commit, *largest;  // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
+  cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
+  cloth_real *box_of_chunk;      // [chunks x 6] m
+  cloth_event *ready, *sent;
+} cloth_part;
+
+/// A rigid body, on the host.
+typedef struct cloth_body {
+  cloth_pose now, target;   // after the last step; at the end of this one
+  cloth_pose t0, t1;        // of this substep
+  bool told;                // moved by call: the motion of the scene file no longer acts
+  bool near;                // its swept box meets the cloth's
+  double center[3], radius; // m, bounding sphere in the body frame
+  int vertex_first, vertex_count, triangle_first, triangle_count;
+} cloth_body;
+
+/// A hold on vertices, on the host.
+typedef struct cloth_hold_state {
+  bool alive, rigid;
+  unsigned generation;
+  int cloth, count, body;
+  int *vertex;            // [count] internal
+  double *local;          // [count x 3] m, in the frame
+  cloth_pose now, target; // of the frame, when body is -1
+  double stiffness, break_force;
+  unsigned char *ignore; // [bodies]
+  double force[3], torque[3];
+  int pin;   // index of the scene file's pin, or -1
+  int first; // in the held list
+} cloth_hold_state;
+
+struct cloth_sim {
+  const cloth_def *def; // borrowed from the front
+  cloth_params params;
+  const cloth_backend *backend;
+  int part_count;
+  cloth_part part[CLOTH_DEVICES_MAX];
+
+  // numbering
+  int vertex_count, all_vertices;
+  int triangle_count, all_triangles;
+  int edge_count, all_edges;
+  int hinge_count;
+  int chunks;
+  int *cloth_first;    // [cloths + 1] first internal vertex
+  int *triangle_first; // [cloths + 1]
+  int *order;          // [vertex_count] file order within the cloth, by internal vertex
+  int *internal;       // [vertex_count] internal vertex, by cloth_first + file order
+  int *triangle_order; // [triangle_count] file order within the cloth, by internal triangle
+  int *triangle;       // [all_triangles x 3]
+  int *edge;           // [all_edges x 2]
+  int *triangle_edge;  // [all_triangles x 3]
+  int *owns;           // [all_triangles]
+  int *hinge;          // [hinge_count x 4] the shared edge, then the corners across from it
+  int *hinge_triangle; // [hinge_count] one of its two triangles
+  double *rest;        // [vertex_count x 3] m, scene frame at the start
+  double *mass;        // [vertex_count] kg
+  double mean_edge;    // m
+
+  cloth_body *body;
+  int *held_index; // [held_capacity] internal vertices held now, hold by hold
+  cloth_hold_state *hold;
+  int hold_count, hold_capacity, held_count, held_capacity, compliant_count;
+  cloth_key_format format;
+
+  // effects: index into cloth_effects
+  bool active[CLOTH_EFFECTS_MAX];
+  char why[CLOTH_EFFECTS_MAX][160];
+  uint64_t effect_bytes[CLOTH_EFFECTS_MAX];
+  int64_t effect_launches[CLOTH_EFFECTS_MAX];
+  int64_t launches, allocations, growths;
+  uint64_t bytes;
+  int owner; // of launches and allocations that happen now
+
+  // time
+  double time, time_t0;
+  int64_t step;
+  double h;          // s, of this substep
+  double speed_last; // m/s, fastest vertex of the last substep
+  double damping_h;  // s, step for which the damping numbers are set
+  bool pairs_valid;  // the candidates still cover every path from x_t0 to x
+  cloth_real *host;  // staging, as large as any vertex vector
+  size_t host_bytes;
+  cloth_box cloth_box; // of all swept cloth at the last search
+  cloth_step_report *report;
+};
+
+// ---- memory (state/memory.c) --------------------------------------------------------------------
+
+/// Allocate zeroed device memory for a part, charged to sim->owner.
+cloth_status cloth_take(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes, void *out,
+                        cloth_error *err);
+
+/// Make *data hold at least `bytes`; grows by half again. Contents are lost. Counted in the report.
+cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                        void *data, cloth_error *err);
+
+/// Take and fill from the host.
+cloth_status cloth_upload(cloth_sim *sim, cloth_part *part, const char *name, const void *host,
+                          size_t bytes, void *out, cloth_error *err);
+
+/// cloth_real from double, staged. n numbers.
+cloth_status cloth_upload_real(cloth_sim *sim, cloth_part *part, const char *name,
+                               const double *host, int n, void *out, cloth_error *err);
+
+/// Free everything that an owner holds on a part.
+void cloth_drop(cloth_sim *sim, cloth_part *part, int owner);
+
+/// Launch on a part, counted for sim->owner. n == 0 launches nothing.
+cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
+                          cloth_error *err);
+
+/// Host staging of at least this many cloth_real.
+cloth_status cloth_staging(cloth_sim *sim, size_t reals, cloth_error *err);
+
+/// Rows of chunks that a part owns.
+static inline int cloth_part_chunks(const cloth_part *p) { return (p->v1 - p->v0 + 63) / 64; }
+
+/// Launch arguments are plain structs on the stack; this fills what every range kernel needs.
+#define CLOTH_LAUNCH(sim, part, kernel, n, args, err)                                              \
+  CLOTH_TRY(cloth_launch(sim, part, CLOTH_KERNEL_##kernel, n, args, err))
+
+// ---- building (state/build.c, state/topology.c, solve/pattern.c)
+// ---------------------------------
+
+/// Edges of all triangles, who owns vertices and edges, hinges of the cloth. Host arrays of the
+/// sim.
+cloth_status cloth_topology_build(cloth_sim *sim, cloth_error *err);
+
+/// Inverse material edge matrix and area of a cloth triangle: [5], see membrane.h.
+void cloth_rest_triangle(const cloth_sim *sim, int triangle, double rest[5]);
+
+/// Unit warp direction in the rest shape, at the first triangle of a hinge.
+void cloth_warp_direction(const cloth_sim *sim, int hinge, double warp[3]);
+
+/// The cloth that an internal triangle belongs to.
+int cloth_of_triangle(const cloth_sim *sim, int triangle);
+
+/// beta / h of this substep for the damping effect.
+cloth_status cloth_damping_set(cloth_sim *sim, double h, cloth_error *err);
+
+/// The elements of `vertex` [count x corners] that touch a part's rows, in order.
+cloth_status cloth_elements_select(const cloth_part *part, int count, int corners,
+                                   const int *vertex, bool coupled, cloth_elements *out,
+                                   cloth_error *err);
+
+/// Block rows of a part from its elements, and where each element goes in them.
+cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *err);
+
+// ---- stages -------------------------------------------------------------------------------------
+
+cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
+cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are
+cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err);
+cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err); // now, whatever is known already
+cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err);
+cloth_status cloth_contact_build_stage(cloth_sim *sim, cloth_error *err);
+cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err);
+cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err);
+cloth_status cloth_effects_apply(cloth_sim *sim, int iteration, cloth_error *err);
+cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err);
+cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
+cloth_status cloth_failsafe(cloth_sim *sim, int *left, cloth_error *err);
+
+// ---- parts (solve/exchange.c) -------------------------------------------------------------------
+
+/// Each part sends its own rows of a vector to all others. `field` is the vector's offset in
+/// cloth_part; per_chunk: rows are chunks instead of vertices; `row` bytes each. Queued, not
+/// finished.
+cloth_status cloth_exchange(cloth_sim *sim, size_t field, bool per_chunk, size_t row,
+                            cloth_error *err);
+
+/// Copy on one device, in order with its COMPUTE queue.
+cloth_status cloth_copy_local(cloth_sim *sim, cloth_part *part, void *dst, const void *src,
+                              size_t bytes, cloth_error *err);
+
+// ---- bodies and holds (state/predict.c, state/hold.c) -------------------------------------------
+
+cloth_pose cloth_pose_between(cloth_pose a, cloth_pose b, double share);
+void cloth_pose_point(const cloth_pose *pose, const double p[3], double out[3]);
+void cloth_pose_matrix(const cloth_pose *pose, cloth_real out[12]);
+cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
+cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
+cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
+cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
+cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_error *err);

@@ -1,0 +1,96 @@
+// Edges, owners and hinges of all triangles.
+#include "sort.h"
+#include "state/sim.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// the three edges of every triangle as sort keys: lower vertex, higher vertex; value 3 triangle + k
+typedef struct edge_list {
+  int count;
+  uint64_t *key, *key_spare;
+  uint32_t *value, *value_spare;
+} edge_list;
+
+static void edge_list_free(edge_list *l)
+{
+  free(l->key), free(l->key_spare), free(l->value), free(l->value_spare);
+}
+
+static cloth_status edge_list_make(const cloth_sim *sim, edge_list *l, cloth_error *err)
+{
+  size_t n = 3 * (size_t)sim->all_triangles;
+  *l = (edge_list){(int)n, malloc(n * 8 + 8), malloc(n * 8 + 8), malloc(n * 4 + 4),
+                   malloc(n * 4 + 4)};
+  if (!l->key || !l->key_spare || !l->value || !l->value_spare)
+    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "edges of %d triangles", sim->all_triangles);
+  for (int i = 0; i < l->count; i++) {
+    int t = i / 3, a = sim->triangle[3 * t + i % 3], b = sim->triangle[3 * t + (i % 3 + 1) % 3];
+    l->key[i] = (uint64_t)(a < b ? a : b) << 32 | (uint64_t)(a < b ? b : a);
+    l->value[i] = (uint32_t)i;
+  }
+  cloth_cpu_sort(l->count, 64, l->key, l->value, l->key_spare, l->value_spare, 1);
+  return CLOTH_OK;
+}
+
+// the corner of a triangle across from its edge k
+static int across(const cloth_sim *sim, uint32_t place)
+{
+  return sim->triangle[3 * (place / 3) + (place % 3 + 2) % 3];
+}
+
+// one run of equal keys is one edge; cloth edges with two triangles are hinges
+static void number_edges(cloth_sim *sim, const edge_list *l)
+{
+  sim->all_edges = sim->edge_count = sim->hinge_count = 0;
+  for (int i = 0, j; i < l->count; i = j) {
+    for (j = i + 1; j < l->count && l->key[j] == l->key[i];) j++;
+    int e = sim->all_edges++, a = (int)(l->key[i] >> 32), b = (int)(l->key[i] & 0xffffffffu);
+    sim->edge[2 * e] = a, sim->edge[2 * e + 1] = b;
+    for (int k = i; k < j; k++) sim->triangle_edge[l->value[k]] = e;
+    sim->owns[l->value[i] / 3] |= 1 << (3 + l->value[i] % 3); // the sort is stable: lowest triangle
+    if (a >= sim->vertex_count) continue;
+    sim->edge_count = sim->all_edges;
+    if (j - i != 2) continue;
+    sim->hinge_triangle[sim->hinge_count] = (int)(l->value[i] / 3);
+    int *h = sim->hinge + 4 * sim->hinge_count++;
+    h[0] = a, h[1] = b, h[2] = across(sim, l->value[i]), h[3] = across(sim, l->value[i + 1]);
+    // the first triangle must run from h[0] to h[1], which fixes the sign of the angle
+    if (sim->triangle[l->value[i]] != a) {
+      int swap = h[2];
+      h[2] = h[3], h[3] = swap;
+    }
+  }
+}
+
+static void own_vertices(cloth_sim *sim)
+{
+  unsigned char *taken = calloc((size_t)sim->all_vertices + 1, 1);
+  if (taken == NULL) return;
+  for (int i = 0; i < 3 * sim->all_triangles; i++) {
+    int v = sim->triangle[i];
+    if (!taken[v]) sim->owns[i / 3] |= 1 << (i % 3);
+    taken[v] = 1;
+  }
+  free(taken);
+}
+
+cloth_status cloth_topology_build(cloth_sim *sim, cloth_error *err)
+{
+  size_t n = 3 * (size_t)sim->all_triangles;
+  sim->edge = malloc(sizeof(int) * (2 * n + 2));
+  sim->triangle_edge = malloc(sizeof(int) * (n + 1));
+  sim->owns = calloc((size_t)sim->all_triangles + 1, sizeof(int));
+  sim->hinge = malloc(sizeof(int) * (2 * n + 4));
+  sim->hinge_triangle = malloc(sizeof(int) * (n + 1));
+  if (!sim->hinge_triangle || !sim->edge || !sim->triangle_edge || !sim->owns || !sim->hinge)
+    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "topology of %d triangles", sim->all_triangles);
+  edge_list l = {0};
+  cloth_status status = edge_list_make(sim, &l, err);
+  if (status == CLOTH_OK) {
+    number_edges(sim, &l);
+    own_vertices(sim);
+  }
+  edge_list_free(&l);
+  return status;
+}

@@ -1,0 +1,293 @@
+// One time step. cloth_advance() is the map of the engine: each stage is one call, in the order in
+// which it runs, with the file that holds it (the list is stages.inl). Around it: a step is cut
+// into substeps so that no body moves far between two searches, and a substep that fails is
+// repeated at half its length.
+#include "commit_chunk.h"
+#include "effect/effect.h"
+#include "membrane_stretch.h"
+#include "reduce_max.h"
+#include "state/state.h"
+
+#include <math.h>
+#include <string.h>
+#include <time.h>
+
+typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_UNSTABLE } outcome;
+
+enum { IMPACT_HALVINGS = 2 }; // a body that leaves no room is not cured by ever smaller steps
+
+static double now_ms(void)
+{
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
+}
+
+// Run one stage and add its time to the report.
+#define STAGE(name, call)                                                                          \
+  do {                                                                                             \
+    double start_ = now_ms();                                                                      \
+    CLOTH_TRY(call);                                                                               \
+    sim->report->ms[CLOTH_STAGE_##name] += now_ms() - start_;                                      \
+    sim->report->stages_skipped &= ~((uint64_t)1 << CLOTH_STAGE_##name);                           \
+  } while (0)
+
+static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err);
+
+// ---- one substep, from share `from` to share `to` of the step
+// ------------------------------------
+
+static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcome *result,
+                                  cloth_error *err)
+{
+  int left = 0;
+  bool touch = sim->active[CLOTH_EFFECT_self_contact];
+  CLOTH_TRY(cloth_damping_set(sim, sim->h, err));
+  STAGE(predict,
+        cloth_predict_stage(sim, from, to, err)); // state/predict.c    x* = x + h v + h^2 g
+
+  touch = touch || sim->report->bodies_near > 0;
+  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
+                                                      : CLOTH_EFFECT_body_contact;
+  if (touch) {
+    STAGE(pairs, cloth_pairs_find(sim, err));            // contact/pairs.c    what may touch
+    STAGE(contact, cloth_contact_build_stage(sim, err)); // contact/contact.c  what touches
+  } else {
+    for (int p = 0; p < sim->part_count; p++)
+      sim->part[p].pair_count = sim->part[p].contact_count = 0;
+    sim->pairs_valid = false;
+  }
+  sim->owner = CLOTH_CORE;
+
+  for (int n = 0; n < sim->params.newton_iterations_max; n++) {
+    double correction;
+    STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
+    STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
+    STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
+    if (correction <= sim->params.newton_tolerance * sim->params.thickness) break;
+  }
+  CLOTH_TRY(cloth_holds_measure(sim, err));
+  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
+                                                      : CLOTH_EFFECT_body_contact;
+  if (touch)
+    STAGE(ccd, cloth_failsafe(sim, &left, err)); // ccd/failsafe.c     what would pass through
+  if (touch) CLOTH_TRY(cloth_contact_totals(sim, err));
+  sim->owner = CLOTH_CORE;
+  sim->report->impacts_left = left;
+  *result = left > 0 ? OUTCOME_IMPACTS : OUTCOME_GOOD;
+  STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
+  return CLOTH_OK;
+}
+
+// velocities, and whether all is finite and within bounds
+static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
+{
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_commit_chunk_args a = {0,       sim->vertex_count,        p->x_t0,   p->x,
+                                 p->mass, (cloth_real)(1 / sim->h), p->v_next, p->commit};
+    CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
+  }
+  size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
+  CLOTH_TRY(cloth_staging(sim, n, err));
+  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].commit,
+                               sizeof(cloth_real) * n, err));
+  double worst = 0, speed = 0, energy = 0;
+  for (int c = 0; c < sim->chunks; c++) {
+    const cloth_real *f = sim->host + CLOTH_COMMIT_FIELDS * c;
+    if (!((double)f[CLOTH_COMMIT_WORST] <= worst)) worst = (double)f[CLOTH_COMMIT_WORST];
+    if (!(worst <= sim->params.bounds)) break;
+    speed = fmax(speed, (double)f[CLOTH_COMMIT_SPEED]);
+    energy += (double)f[CLOTH_COMMIT_ENERGY];
+  }
+  if (!(worst <= sim->params.bounds)) *result = OUTCOME_UNSTABLE;
+  sim->report->speed_max = sim->speed_last = speed;
+  sim->report->energy_kinetic = energy;
+  return CLOTH_OK;
+}
+
+// the substep stands: its end is the next start
+static cloth_status accept(cloth_sim *sim, cloth_error *err)
+{
+  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(cloth_copy_local(sim, p, p->x_t0, p->x, bytes, err));
+    cloth_real *v = p->v;
+    p->v = p->v_next, p->v_next = v;
+  }
+  return CLOTH_OK;
+}
+
+// ---- the step around it -------------------------------------------------------------------------
+
+// how far a body's farthest point moves in this step [m], if it comes near the cloth
+static double body_travel(const cloth_body *b)
+{
+  double d_sq = 0, dot = 0, c0[3], c1[3];
+  cloth_pose_point(&b->now, b->center, c0);
+  cloth_pose_point(&b->target, b->center, c1);
+  for (int k = 0; k < 3; k++) d_sq += (c1[k] - c0[k]) * (c1[k] - c0[k]);
+  for (int k = 0; k < 4; k++) dot += b->now.rotation[k] * b->target.rotation[k];
+  double angle = 2 * acos(fmin(1, fabs(dot)));
+  return sqrt(d_sq) + (angle > 1e-7 ? angle * b->radius : 0);
+}
+
+// is the body's ball within reach of where the cloth was last seen?
+static bool may_touch(const cloth_sim *sim, const cloth_body *b, double travel)
+{
+  double c[3], reach = b->radius + travel + 2 * sim->speed_last * sim->params.time_step + 0.02;
+  const cloth_box *box = &sim->cloth_box;
+  cloth_pose_point(&b->now, b->center, c);
+  double lo[3] = {(double)box->lo.x, (double)box->lo.y, (double)box->lo.z};
+  double hi[3] = {(double)box->hi.x, (double)box->hi.y, (double)box->hi.z};
+  for (int k = 0; k < 3; k++)
+    if (c[k] + reach < lo[k] || c[k] - reach > hi[k]) return false;
+  return true;
+}
+
+static int count_substeps(const cloth_sim *sim)
+{
+  double most = 0;
+  for (int b = 0; b < sim->def->body_count && sim->active[CLOTH_EFFECT_body_contact]; b++) {
+    double travel = body_travel(&sim->body[b]);
+    if (travel > most && may_touch(sim, &sim->body[b], travel)) most = travel;
+  }
+  int n = sim->params.substeps;
+  double cut = ceil(most / sim->params.body_motion_max);
+  if (cut > n) n = cut < sim->params.substeps_max ? (int)cut : sim->params.substeps_max;
+  return n;
+}
+
+// the whole step in substeps; a failed one is repeated at half its length
+static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth_error *err)
+{
+  int halvings = 0;
+  double done = 0, share = 1.0 / count_substeps(sim);
+  while (done < 1) {
+    double to = done + share < 1 - 1e-9 ? done + share : 1;
+    sim->h = (to - done) * h;
+    sim->time_t0 = sim->time + done * h;
+    CLOTH_TRY(cloth_advance(sim, done, to, result, err));
+    bool again = *result == OUTCOME_UNSTABLE
+                     ? halvings < sim->params.step_halvings_max
+                     : *result == OUTCOME_IMPACTS && halvings < IMPACT_HALVINGS &&
+                           halvings < sim->params.step_halvings_max;
+    if (again) {
+      halvings++, sim->report->step_halvings++;
+      share /= 2;
+      sim->pairs_valid = false;
+      continue;
+    }
+    if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
+    CLOTH_TRY(accept(sim, err));
+    sim->report->substeps++;
+    done = to;
+  }
+  return CLOTH_OK;
+}
+
+static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
+{
+  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(cloth_copy_local(sim, p, back ? p->x_t0 : p->x_saved, back ? p->x_saved : p->x_t0,
+                               bytes, err));
+    CLOTH_TRY(
+        cloth_copy_local(sim, p, back ? p->v : p->v_saved, back ? p->v_saved : p->v, bytes, err));
+  }
+  return CLOTH_OK;
+}
+
+static cloth_status measure_stretch(cloth_sim *sim, cloth_error *err)
+{
+  double worst = 0;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    int n = p->membrane.count, chunks = (n + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+    if (n == 0) continue;
+    sim->owner = CLOTH_EFFECT_membrane;
+    cloth_membrane_stretch_args a = {p->membrane.vertex, p->membrane_rest, p->x_t0, p->stretch};
+    CLOTH_LAUNCH(sim, p, membrane_stretch, n, &a, err);
+    cloth_reduce_max_args r = {n, p->stretch, p->stretch_largest};
+    CLOTH_LAUNCH(sim, p, reduce_max, chunks, &r, err);
+    sim->owner = CLOTH_CORE;
+    CLOTH_TRY(cloth_staging(sim, (size_t)chunks, err));
+    CLOTH_TRY(sim->backend->read(p->device, sim->host, p->stretch_largest,
+                                 sizeof(cloth_real) * (size_t)chunks, err));
+    for (int c = 0; c < chunks; c++) worst = fmax(worst, (double)sim->host[c]);
+  }
+  sim->report->stretch_max = worst;
+  return CLOTH_OK;
+}
+
+// bodies and frames have arrived; grasps that pull too hard let go
+static cloth_status arrive(cloth_sim *sim, cloth_error *err)
+{
+  bool broken = false;
+  for (int b = 0; b < sim->def->body_count; b++) sim->body[b].now = sim->body[b].target;
+  for (int i = 0; i < sim->hold_count; i++) {
+    cloth_hold_state *h = &sim->hold[i];
+    if (!h->alive) continue;
+    h->now = h->target;
+    double force =
+        sqrt(h->force[0] * h->force[0] + h->force[1] * h->force[1] + h->force[2] * h->force[2]);
+    if (!(h->break_force > 0) || force <= h->break_force) {
+      sim->report->grasps++;
+      continue;
+    }
+    h->alive = false, broken = true;
+    sim->report->grasps_broken++;
+  }
+  return broken ? cloth_holds_refresh(sim, err) : CLOTH_OK;
+}
+
+static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)
+{
+  *report = (cloth_step_report){
+      .step_size = h, .vertices = sim->vertex_count, .triangles = sim->triangle_count};
+  report->stages_skipped = ((uint64_t)1 << CLOTH_STAGE_COUNT) - 1;
+  sim->report = report;
+}
+
+cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, cloth_error *err)
+{
+  cloth_sim *sim = data;
+  double start = now_ms();
+  int64_t allocations = sim->allocations, launches = sim->launches, growths = sim->growths;
+  outcome result = OUTCOME_GOOD;
+  begin_report(sim, report, h);
+  for (int b = 0; b < sim->def->body_count; b++) {
+    const cloth_body_def *d = &sim->def->body[b];
+    if (!sim->body[b].told && cloth_motion_moves(&d->motion))
+      sim->body[b].target = cloth_motion_at(&d->motion, d->pose, sim->time + h);
+  }
+  CLOTH_TRY(cloth_pins_update(sim, sim->time + h, err));
+  CLOTH_TRY(save_start(sim, false, err));
+  CLOTH_TRY(advance_all(sim, h, &result, err));
+  if (result == OUTCOME_UNSTABLE) {
+    CLOTH_TRY(save_start(sim, true, err));
+    for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
+    for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;
+    CLOTH_FAIL(err, CLOTH_UNSTABLE,
+               "step %lld at %g s: a vertex left the bounds (%g m) or is not finite, also at 1/%d "
+               "of the step; "
+               "the state is that before the step",
+               (long long)sim->step + 1, sim->time, sim->params.bounds,
+               1 << sim->params.step_halvings_max);
+  }
+  CLOTH_TRY(arrive(sim, err));
+  CLOTH_TRY(measure_stretch(sim, err));
+  sim->time += h;
+  report->step = ++sim->step;
+  report->time = sim->time;
+  report->allocations = (int)(sim->allocations - allocations);
+  report->launches = (int)(sim->launches - launches);
+  report->buffers_grown = (int)(sim->growths - growths);
+  report->memory_bytes = sim->bytes;
+  for (int i = 0; i < sim->part_count; i++)
+    CLOTH_TRY(sim->backend->finish(sim->part[i].device, err));
+  report->wall_ms = now_ms() - start;
+  return CLOTH_OK;
+}

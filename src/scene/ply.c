@@ -329,14 +329,16 @@ static cloth_status read_row(reader *r, const element *e, long long row, cloth_e
 
 static cloth_status read_elements(reader *r, cloth_error *err)
 {
-  if (r->encoding != ASCII) r->line = 0;
+  r->line = r->encoding == ASCII ? r->line + 1 : 0; // the numbers begin on the next line
   for (int i = 0; i < r->element_count; i++)
     for (long long row = 0; row < r->element[i].count && r->element[i].property_count > 0; row++)
       CLOTH_TRY(read_row(r, &r->element[i], row, err));
-  for (; r->at < r->end; r->at++)
+  for (; r->at < r->end; r->at++) {
     if (strchr(" \t\r\n", *r->at) == NULL || *r->at == '\0')
       PLY_FAIL(r, err, "%td bytes follow the last element: the header counts too few",
                r->end - r->at);
+    if (r->line > 0) r->line += *r->at == '\n';
+  }
   return CLOTH_OK;
 }
 

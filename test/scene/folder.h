@@ -29,7 +29,11 @@ static inline folder folder_make(void)
 static inline const char *folder_path(folder *f, const char *name)
 {
   char *out = f->file[f->next++ % 8];
-  snprintf(out, sizeof f->file[0], "%s/%s", f->path, name);
+  size_t n = strlen(f->path), m = strlen(name);
+  if (n + m + 2 > sizeof f->file[0]) exit(1);
+  memcpy(out, f->path, n);
+  out[n] = '/';
+  memcpy(out + n + 1, name, m + 1);
   return out;
 }
 

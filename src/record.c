@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { PATH_SIZE = 4096 };
 
@@ -194,6 +195,7 @@ cloth_status cloth_recorder_open(const cloth_record_subject *subject, const char
                                  cloth_recorder **out, cloth_error *err)
 {
   cloth_status status = CLOTH_OK;
+  bool existed = access(path, F_OK) == 0;
   *out = NULL;
   cloth_recorder *r = calloc(1, sizeof *r);
   if (!r) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for a recorder");
@@ -214,7 +216,7 @@ cloth_status cloth_recorder_open(const cloth_record_subject *subject, const char
                         path, strerror(r->file ? errno : r->cause));
   if (status != CLOTH_OK) {
     recorder_free(r);
-    remove(path);
+    if (!existed) remove(path); // what was there may be a device
     return status;
   }
   *out = r;

@@ -19,7 +19,9 @@ static int replay_main(const tool_arguments *args, cloth_error *err)
     // a recording that can be read but does not fit is a finding, not bad input
     code = status == CLOTH_BAD_STATE ? TOOL_FAILED : tool_exit_code(status);
     double wall = tool_clock() - start;
-    printf("%" PRId64 " steps match, %.6g s simulated in %.3f s\n", steps, cloth_time(scene), wall);
+    if (code != TOOL_BAD_INPUT)
+      printf("%" PRId64 " steps match, %.6g s simulated in %.3f s\n", steps, cloth_time(scene),
+             wall);
   }
   cloth_scene_free(scene);
   cloth_def_free(def);

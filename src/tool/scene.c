@@ -13,6 +13,11 @@ static cloth_status set_pair(cloth_def *def, const char *pair, cloth_error *err)
   if (!equals || equals == pair || (size_t)(equals - pair) >= sizeof name)
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--set '%s' is not NAME=VALUE", pair);
   snprintf(name, sizeof name, "%.*s", (int)(equals - pair), pair);
+  if (strcmp(name, "mesh_defects") == 0) // the meshes have been read by now
+    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT,
+               "--set %s comes too late, meshes are judged when the file is read; write it under "
+               "'params:' of the scene file",
+               pair);
   return cloth_def_set(def, name, equals + 1, err);
 }
 

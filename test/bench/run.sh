@@ -1,0 +1,78 @@
+#!/bin/sh
+# Time the standard scenes on two cores, and Bullet's soft body beside them; called by `make bench`.
+#
+#   test/bench/run.sh [BUILD_DIR] [RESULTS_DIR]
+#
+# Writes one CSV per scene under RESULTS_DIR/<processor>-<cores used>-cores (default: results/ beside
+# this script).
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+build=${1:-$root/build}
+results=${2:-$here/results}
+cores=2
+[ "$(nproc)" -ge $cores ] || cores=1
+
+cloth=$build/cloth
+if [ ! -x "$cloth" ]; then
+  echo "run.sh: no $cloth; build first, or name the build directory" >&2
+  exit 2
+fi
+bullet=$(find "$build" -name bullet_cloth -type f -perm -u+x 2>/dev/null | head -n 1)
+
+# the processor's model, as a file name
+model=$(sed -n 's/^model name[^:]*: *//p' /proc/cpuinfo 2>/dev/null | head -n 1)
+[ -n "$model" ] || model=$(uname -m)
+kind=$(printf '%s' "$model" | sed 's/([^)]*)//g' | tr 'A-Z' 'a-z' | tr -cs 'a-z0-9.\n' '-' | sed 's/^-//; s/-$//')
+out=$results/$kind-$cores-cores
+mkdir -p "$out"
+
+pin=""
+if command -v taskset >/dev/null 2>&1 && taskset -c 0-$((cores - 1)) true 2>/dev/null; then
+  pin="taskset -c 0-$((cores - 1))"
+fi
+
+echo "processor: $model, $cores cores used"
+echo
+
+# bench NAME SCENE OPTIONS...
+bench() {
+  name=$1
+  scene=$2
+  shift 2
+  echo "== $name"
+  $pin "$cloth" bench "$root/config/scenes/$scene.yaml" --threads $cores --csv "$out/$name.csv" "$@"
+}
+
+failed=0
+bench fold fold || failed=1
+bench towel_on_table towel_on_table || failed=1
+bench hanging_towel hanging_towel || failed=1
+bench hanging_towel_no_self hanging_towel --set effects.self_contact=off || failed=1
+
+if [ -n "$bullet" ]; then
+  echo "== Bullet"
+  $pin "$bullet" --csv "$out/bullet.csv" || failed=1
+  echo
+else
+  echo "Bullet: not built (Debian: libbullet-dev)"
+fi
+
+# side by side: median ms of a whole step, worst stretch
+echo "== side by side: ms a step (median), worst stretch of a triangle"
+for name in fold towel_on_table hanging_towel hanging_towel_no_self; do
+  [ -f "$out/$name.csv" ] || continue
+  awk -F, -v name="$name" '
+    NR == 1 { for (i = 1; i <= NF; i++) column[$i] = i; next }
+    $column["row"] == "step" {
+      printf "  %-28s %8.3f ms %8.1f %%\n", name, $column["median_ms"], 100 * $column["stretch_max"]
+    }' "$out/$name.csv"
+done
+if [ -f "$out/bullet.csv" ] && [ -n "$bullet" ]; then
+  awk -F, '
+    NR == 1 { for (i = 1; i <= NF; i++) column[$i] = i; next }
+    { printf "  %-28s %8.3f ms %8.1f %%\n", $1, $column["median_ms"], 100 * $column["stretch_max"] }
+  ' "$out/bullet.csv"
+fi
+echo "written to $out"
+exit $failed

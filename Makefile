@@ -27,7 +27,7 @@ test: build-tests build-sanitize ## build and run every test; closes with "N pas
 	$(PYTHON) test/run_tests.py $(BUILD) $(BUILD)/sanitize
 
 bench: build      ## median and spread per stage on the demo's scenes
-	test/bench/bench.sh $(BUILD)
+	test/bench/run.sh $(BUILD)
 
 install-packages: ## install the Debian packages that are missing (root or sudo)
 	src/demo/install_packages.sh

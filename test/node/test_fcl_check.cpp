@@ -221,7 +221,7 @@ TEST(truth, is_what_brute_force_finds_on_random_triangles_of_every_size)
                             {.002, .001, .001, 1e-4}, {5, 1, 1, .1}};
   for (const auto &row : rows) {
     SCOPED_TRACE(row[1]);
-    const Soup body = randomSoup(150, row[0], row[1]), cloth = randomSoup(150, row[0], row[2]);
+    const Soup body = randomSoup(80, row[0], row[1]), cloth = randomSoup(80, row[0], row[2]);
     const Eigen::Isometry3d pose = somePose(.8);
     FclCheck check;
     check.addBody(moved(body, pose.inverse()).view(), pose);
@@ -233,7 +233,7 @@ TEST(truth, is_what_brute_force_finds_on_random_triangles_of_every_size)
 TEST(truth, is_what_brute_force_finds_on_slivers)
 {
   Soup body, cloth;
-  for (int i = 0; i < 150; i++) {
+  for (int i = 0; i < 80; i++) {
     const Vector3d a = randomIn(.1), along = randomIn(.1), b = randomIn(.1);
     body.add(a, a + along, a + .5 * along + randomIn(1e-5));
     cloth.add(b, b + randomIn(.02), b + randomIn(.02));
@@ -246,7 +246,7 @@ TEST(truth, is_what_brute_force_finds_on_slivers)
 
 TEST(truth, follows_bodies_that_move_and_cloth_that_deforms)
 {
-  const Soup body = randomSoup(100, .3, .3), flat = sheet(12, 0);
+  const Soup body = randomSoup(40, .3, .3), flat = sheet(12, 0);
   FclCheck check;
   check.addBody(body.view(), Eigen::Isometry3d::Identity());
   check.addCloth(flat.view());
@@ -383,7 +383,7 @@ TEST(comparison, bad_input_is_refused_and_nothing_changes)
 TEST(intersections, of_cloth_with_bodies_are_what_brute_force_finds)
 {
   for (double edge : {.3, .01, .0003}) {
-    const Soup body = randomSoup(120, edge, edge), cloth = randomSoup(120, edge, edge);
+    const Soup body = randomSoup(70, edge, edge), cloth = randomSoup(70, edge, edge);
     const Eigen::Isometry3d pose = somePose(1.3);
     FclCheck check;
     check.addBody(moved(body, pose.inverse()).view(), pose);
@@ -403,7 +403,7 @@ TEST(intersections, of_cloth_with_bodies_are_what_brute_force_finds)
 
 TEST(intersections, of_cloth_with_itself_are_what_brute_force_finds)
 {
-  const Soup cloth = randomSoup(200, .3, .2);
+  const Soup cloth = randomSoup(120, .3, .2);
   FclCheck check;
   check.addCloth(cloth.view());
   int64_t expected = 0;

@@ -29,7 +29,8 @@ if(CLOTH_PYTHON)
   find_package(Eigen3 QUIET)
   find_package(fcl QUIET)
   find_package(assimp QUIET)
-  if(catkin_FOUND AND Eigen3_FOUND AND fcl_FOUND AND assimp_FOUND)
+  pkg_check_modules(TINYXML2 QUIET IMPORTED_TARGET tinyxml2)
+  if(catkin_FOUND AND Eigen3_FOUND AND fcl_FOUND AND assimp_FOUND AND TINYXML2_FOUND)
     set(CLOTH_ROS_FOUND TRUE)
   endif()
 endif()
@@ -41,8 +42,8 @@ endif()
 
 # ---- messages and services ----
 add_message_files(DIRECTORY msg FILES
-  ClothMesh.msg ContactPoint.msg Contacts.msg CrossCheck.msg Event.msg Grasp.msg GraspCommand.msg
-  Grasps.msg State.msg Topology.msg VertexGroup.msg)
+  ClothMesh.msg ContactPoint.msg Contacts.msg CrossCheck.msg Event.msg GraspCommand.msg
+  GraspState.msg Grasps.msg State.msg Topology.msg VertexGroup.msg)
 add_service_files(DIRECTORY srv FILES
   GetInfo.srv GetState.srv Grasp.srv LoadState.srv Release.srv RunCrossCheck.srv SaveState.srv
   SetObstacle.srv SetState.srv Step.srv)
@@ -75,7 +76,7 @@ target_include_directories(robot_cloth_node PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/s
 target_include_directories(robot_cloth_node SYSTEM PUBLIC ${CATKIN_DEVEL_PREFIX}/include ${catkin_INCLUDE_DIRS}
                            ${ASSIMP_INCLUDE_DIRS})
 target_link_libraries(robot_cloth_node PUBLIC cloth ${catkin_LIBRARIES} Eigen3::Eigen
-                      PRIVATE assimp::assimp fcl ${TinyXML_LIBRARIES} stdc++fs)
+                      PRIVATE assimp::assimp fcl PkgConfig::TINYXML2)
 add_dependencies(robot_cloth_node ${PROJECT_NAME}_generate_messages_cpp)
 add_executable(robot_cloth_exe src/node/main.cpp)
 target_link_libraries(robot_cloth_exe PRIVATE robot_cloth_node)

@@ -1,0 +1,106 @@
+#include "inputs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <ros/console.h>
+
+namespace robot_cloth {
+
+void JointHistory::need(const std::vector<std::string> &joints,
+                        const std::vector<std::string> &wrapping)
+{
+  wrapping_ = std::set<std::string>(wrapping.begin(), wrapping.end());
+  joints_.clear();
+  for (const std::string &j : joints) joints_[j];
+  clear();
+}
+
+void JointHistory::clear()
+{
+  missing_.clear();
+  for (auto &j : joints_) {
+    j.second.clear();
+    missing_.insert(j.first);
+  }
+}
+
+void JointHistory::add(const sensor_msgs::JointState &m, double now, bool use_receipt)
+{
+  counts.messages++;
+  if (m.name.size() != m.position.size()) {
+    counts.unequal_length++;
+    ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << m.name.size() << " names but "
+                                                 << m.position.size()
+                                                 << " positions: message refused");
+    return;
+  }
+  double time = m.header.stamp.toSec();
+  if (use_receipt)
+    time = now;
+  else if (m.header.stamp.isZero()) {
+    counts.stamp_zero++;
+    time = now;
+  }
+  if (time > now + future_max) {
+    counts.stamp_future++;
+    ROS_WARN_STREAM_THROTTLE(5, "joint_states: stamp is " << time - now
+                                                          << " s in the future: message refused");
+    return;
+  }
+  for (size_t i = 0; i < m.name.size(); i++) {
+    auto joint = joints_.find(m.name[i]);
+    if (joint == joints_.end())
+      counts.unknown_joint++;
+    else if (!std::isfinite(m.position[i])) {
+      counts.not_finite++;
+      ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << m.name[i] << " is not finite: held");
+    } else if (!joint->second.empty() && time <= joint->second.back().time) {
+      if (time < joint->second.back().time) counts.stamp_old++;
+    } else
+      set(m.name[i], time, m.position[i]);
+  }
+}
+
+void JointHistory::set(const std::string &name, double time, double position)
+{
+  auto joint = joints_.find(name);
+  if (joint == joints_.end()) return;
+  std::deque<Sample> &samples = joint->second;
+  while (!samples.empty() && samples.back().time >= time) samples.pop_back();
+  if (!samples.empty() && wrapping_.count(name)) // drivers wrap at pi: go the short way
+    position += 2 * M_PI * std::round((samples.back().position - position) / (2 * M_PI));
+  samples.push_back({time, position});
+  // the second sample stays until the first is of no use for any time in the memory
+  while (samples.size() > 2 && samples[1].time < time - memory) samples.pop_front();
+  missing_.erase(name);
+}
+
+double JointHistory::knownUntil() const
+{
+  double time = std::numeric_limits<double>::infinity();
+  for (const auto &j : joints_)
+    time = std::min(time, j.second.empty() ? -std::numeric_limits<double>::infinity()
+                                           : j.second.back().time);
+  return time;
+}
+
+bool JointHistory::at(const std::string &name, double time, double *position) const
+{
+  auto joint = joints_.find(name);
+  if (joint == joints_.end() || joint->second.empty()) return false;
+  const std::deque<Sample> &s = joint->second;
+  auto after = std::lower_bound(s.begin(), s.end(), time,
+                                [](const Sample &a, double t) { return a.time < t; });
+  if (after == s.end())
+    *position = s.back().position;
+  else if (after == s.begin())
+    *position = s.front().position;
+  else {
+    const Sample &a = *(after - 1), &b = *after;
+    *position = a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));
+  }
+  return true;
+}
+
+} // namespace robot_cloth

@@ -1,0 +1,21 @@
+// The node as a nodelet: robot_cloth/ClothNodelet.
+#include "cloth_node.h"
+
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+
+namespace robot_cloth {
+
+class ClothNodelet : public nodelet::Nodelet {
+  void onInit() override
+  {
+    // a StartError goes to the loader, which reports it and keeps the other nodelets running
+    node_ = std::make_unique<ClothNode>(getNodeHandle(), getPrivateNodeHandle());
+    node_->start();
+  }
+  std::unique_ptr<ClothNode> node_;
+};
+
+} // namespace robot_cloth
+
+PLUGINLIB_EXPORT_CLASS(robot_cloth::ClothNodelet, nodelet::Nodelet)

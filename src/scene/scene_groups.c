@@ -53,20 +53,9 @@ static double distance_sq(const double *a, const double *b)
   return sum;
 }
 
-// the vertex nearest to a point, the first of several; or to each of a list of points
-static cloth_status select_nearest(cloth_value at, selection *s, cloth_error *err)
+// the vertex nearest to a point, the first of several
+static cloth_status select_nearest_to(cloth_value at, selection *s, cloth_error *err)
 {
-  if (cloth_yaml_is_list(at) && cloth_yaml_count(at) > 0 &&
-      cloth_yaml_is_list(cloth_yaml_item(at, 0))) {
-    for (int i = 0; i < cloth_yaml_count(at); i++) {
-      cloth_value item = cloth_yaml_item(at, i);
-      if (cloth_yaml_is_list(item) && cloth_yaml_count(item) == 3 &&
-          cloth_yaml_is_list(cloth_yaml_item(item, 0)))
-        CLOTH_YAML_FAIL(err, item, "expected a list of 3 numbers [m], found a list of lists");
-      CLOTH_TRY(select_nearest(item, s, err));
-    }
-    return CLOTH_OK;
-  }
   double point[3], least = DBL_MAX;
   int best = 0;
   CLOTH_TRY(cloth_yaml_numbers(at, 3, "m", 1e6, point, err));
@@ -75,6 +64,17 @@ static cloth_status select_nearest(cloth_value at, selection *s, cloth_error *er
     if (d < least) least = d, best = v;
   }
   s->chosen[best] = true;
+  return CLOTH_OK;
+}
+
+// one point, or a list of points
+static cloth_status select_nearest(cloth_value at, selection *s, cloth_error *err)
+{
+  bool several = cloth_yaml_count(at) > 0 && cloth_yaml_is_list(at) &&
+                 cloth_yaml_is_list(cloth_yaml_item(at, 0));
+  if (!several) return select_nearest_to(at, s, err);
+  for (int i = 0; i < cloth_yaml_count(at); i++)
+    CLOTH_TRY(select_nearest_to(cloth_yaml_item(at, i), s, err));
   return CLOTH_OK;
 }
 

@@ -287,7 +287,7 @@ cloth_status cloth_body_move(cloth_scene *s, int body, const cloth_pose *pose, c
   CLOTH_TRY(check_pose(pose, &p, err));
   CLOTH_TRY(CALL(s, body_move, body, &p, err));
   s->fresh = false;
-  cloth_record_body_move(s->recorder, body, &p);
+  cloth_record_body_move(s->recorder, body, pose);
   return CLOTH_OK;
 }
 
@@ -298,7 +298,7 @@ cloth_status cloth_body_place(cloth_scene *s, int body, const cloth_pose *pose, 
   CLOTH_TRY(check_pose(pose, &p, err));
   CLOTH_TRY(CALL(s, body_place, body, &p, err));
   s->fresh = false;
-  cloth_record_body_place(s->recorder, body, &p);
+  cloth_record_body_place(s->recorder, body, pose);
   return CLOTH_OK;
 }
 
@@ -333,7 +333,7 @@ cloth_status cloth_grasp(cloth_scene *s, const cloth_grasp_view *grasp, cloth_gr
   if (g.body == -1) CLOTH_TRY(check_pose(&grasp->frame, &g.frame, err));
   CLOTH_TRY(CALL(s, grasp, &g, out, err));
   s->fresh = false;
-  cloth_record_grasp(s->recorder, &g, *out);
+  cloth_record_grasp(s->recorder, grasp, *out);
   return CLOTH_OK;
 }
 
@@ -343,7 +343,7 @@ cloth_status cloth_grasp_move(cloth_scene *s, cloth_grasp_id id, const cloth_pos
   cloth_pose p;
   CLOTH_TRY(check_pose(frame, &p, err));
   CLOTH_TRY(CALL(s, grasp_move, id, &p, err));
-  cloth_record_grasp_move(s->recorder, id, &p);
+  cloth_record_grasp_move(s->recorder, id, frame);
   return CLOTH_OK;
 }
 

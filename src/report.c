@@ -1,4 +1,6 @@
+#ifndef _GNU_SOURCE
 #define _GNU_SOURCE // newlocale
+#endif
 #include "report.h"
 
 #include <inttypes.h>

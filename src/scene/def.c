@@ -3,6 +3,7 @@
 #include "scene/def.h"
 
 #include "nearest.h"
+#include "scene/file.h"
 #include "scene/mesh.h"
 #include "scene/number.h"
 
@@ -34,7 +35,7 @@ void cloth_motion_free(cloth_motion *motion)
 
 void cloth_groups_free(cloth_group_def *group, int count)
 {
-  for (int i = 0; i < count; i++) {
+  for (int i = 0; group != NULL && i < count; i++) {
     free(group[i].name);
     free(group[i].vertex);
   }
@@ -163,7 +164,7 @@ static int compare_ints(const void *a, const void *b)
 static cloth_status copy_group(const char *cloth, const cloth_group_view *view, const int *kept,
                                cloth_group_def *out, cloth_error *err)
 {
-  out->name = strdup(view->name);
+  out->name = cloth_string_copy(view->name);
   out->vertex = malloc(sizeof *out->vertex * (size_t)view->count);
   if (out->name == NULL || out->vertex == NULL)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "'%s': no memory for group '%s'", cloth, view->name);
@@ -220,8 +221,8 @@ static cloth_status fill_cloth(const cloth_def *def, const cloth_cloth_view *vie
   cloth_error inner = {0};
   if (cloth_pose_normalise(&out->pose, &inner) != CLOTH_OK)
     CLOTH_FAIL(err, CLOTH_BAD_SCENE, "'%s': pose: %s", view->name, inner.text);
-  out->name = strdup(view->name);
-  out->material_name = strdup("default");
+  out->name = cloth_string_copy(view->name);
+  out->material_name = cloth_string_copy("default");
   if (out->name == NULL || out->material_name == NULL)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for cloth '%s'", view->name);
   int *kept;
@@ -256,7 +257,7 @@ static cloth_status fill_body(const cloth_def *def, const cloth_body_view *view,
   cloth_error inner = {0};
   if (cloth_pose_normalise(&out->pose, &inner) != CLOTH_OK)
     CLOTH_FAIL(err, CLOTH_BAD_SCENE, "'%s': pose: %s", view->name, inner.text);
-  out->name = strdup(view->name);
+  out->name = cloth_string_copy(view->name);
   if (out->name == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for body '%s'", view->name);
   cloth_mesh_view mesh = view->mesh;
   mesh.material = NULL;

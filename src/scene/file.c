@@ -1,4 +1,6 @@
+#ifndef _GNU_SOURCE
 #define _GNU_SOURCE // fileno
+#endif
 #include "scene/file.h"
 
 #include <errno.h>
@@ -55,4 +57,11 @@ cloth_status cloth_path_beside(const char *file, const char *path, char **out, c
   memcpy(*out, file, folder);
   memcpy(*out + folder, path, length + 1);
   return CLOTH_OK;
+}
+
+char *cloth_string_copy(const char *text)
+{
+  size_t size = strlen(text) + 1;
+  char *copy = malloc(size);
+  return copy ? memcpy(copy, text, size) : NULL;
 }

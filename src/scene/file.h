@@ -15,3 +15,6 @@ cloth_status cloth_text_read(const char *path, cloth_text *out, cloth_error *err
 
 /// `path` seen from the folder of `file`, if it is relative; to be freed. CLOTH_NO_MEMORY.
 cloth_status cloth_path_beside(const char *file, const char *path, char **out, cloth_error *err);
+
+/// A copy of a text, to be freed; NULL without memory.
+char *cloth_string_copy(const char *text);

@@ -236,12 +236,12 @@ static cloth_status read_statement(reader *r, cloth_error *err)
 {
   // legal, but nothing that a cloth or a body needs
   static const char *const ignored[] = {
-      "vn",     "vp",       "p",        "l",      "s",         "usemtl",    "mtllib",
-      "usemap", "maplib",   "bevel",    "mg",     "bmat",      "deg",       "lod",
-      "cstype", "c_interp", "d_interp", "curv",   "curv2",     "surf",      "parm",
-      "trim",   "end",      "hole",     "scrv",   "sp",        "con",       "step",
-      "ctech",  "stech",    "call",     "csh",    "res",       "bzp",       "bsp",
-      "cdc",    "cdp",      "off",      "stitch", "trace_obj", "shadow_obj"};
+      "vn",     "vp",       "p",        "l",      "s",     "usemtl",    "mtllib",
+      "usemap", "maplib",   "bevel",    "mg",     "bmat",  "deg",       "lod",
+      "cstype", "c_interp", "d_interp", "curv",   "curv2", "surf",      "parm",
+      "trim",   "end",      "hole",     "scrv",   "sp",    "con",       "step",
+      "ctech",  "stech",    "call",     "csh",    "res",   "bzp",       "bsp",
+      "cdc",    "cdp",      "off",      "stitch", "seam",  "trace_obj", "shadow_obj"};
   size_t n = word_length(r->at);
   const char *word = r->at;
   r->at += n;

@@ -1,4 +1,6 @@
+#ifndef _GNU_SOURCE
 #define _GNU_SOURCE // newlocale
+#endif
 #include "scene/mesh.h"
 
 #include <errno.h>

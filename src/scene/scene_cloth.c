@@ -261,7 +261,7 @@ cloth_status cloth_read_cloth(cloth_value at, const cloth_materials *materials, 
   cloth_mesh_file_free(&file);
   CLOTH_TRY(status);
 
-  char *name = strdup(material->name);
+  char *name = cloth_string_copy(material->name);
   if (name == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for cloth '%s'", view.name);
   free(def->cloth[index].material_name);
   def->cloth[index].material_name = name;

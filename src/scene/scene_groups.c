@@ -141,7 +141,7 @@ static cloth_status keep(cloth_value at, const selection *s, cloth_group_def *ou
   size_t n = 0;
   for (int v = 0; v < s->mesh->vertex_count; v++) n += s->chosen[v];
   if (n == 0) CLOTH_YAML_FAIL(err, at, "no vertex of the mesh is in this group");
-  out->name = strdup(at.key);
+  out->name = cloth_string_copy(at.key);
   out->vertex = malloc(sizeof *out->vertex * n);
   if (out->name == NULL || out->vertex == NULL)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for groups");

@@ -47,7 +47,7 @@ static cloth_status load_only_document(cloth_yaml *file, yaml_parser_t *p, cloth
 
 cloth_status cloth_yaml_open(const char *path, cloth_yaml *out, cloth_error *err)
 {
-  *out = (cloth_yaml){.path = strdup(path)};
+  *out = (cloth_yaml){.path = cloth_string_copy(path)};
   if (out->path == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: no memory to read it", path);
   CLOTH_TRY(cloth_text_read(path, &out->text, err));
   yaml_parser_t parser;

@@ -438,8 +438,9 @@ static int meshes_of_others_are_read(void)
   } rows[] = {{"square2K.obj", 1939, 3716},
               {"cylinder7K.obj", 7296, 13992},
               {"skirt16x64.obj", 1024, 1920},
-              {"tableCloth.obj", 14161, 27848}};
-  for (int i = 0; i < 4; i++) {
+              {"tableCloth.obj", 14161, 27848},
+              {"dress/stage.obj", 15656, 29456}};
+  for (int i = 0; i < 5; i++) {
     snprintf(path, sizeof path, "%.1000s/meshes/%s", folder_name, rows[i].name);
     if (access(path, R_OK) != 0) {
       printf("skip: no %s\n", rows[i].name);

@@ -151,6 +151,18 @@ static cloth_status print_effects(const cloth_scene *scene, cloth_error *err)
   return CLOTH_OK;
 }
 
+// What the whole scene holds is known once it has stepped: buffers of contacts grow on demand.
+static void print_memory(cloth_scene *scene)
+{
+  cloth_step_report report = {0};
+  cloth_error ignored = {0};
+  char text[32];
+  if (cloth_step(scene, 0, &report, &ignored) == CLOTH_OK)
+    printf("memory of the scene after one step: %s\n", tool_bytes(report.memory_bytes, text));
+  else
+    printf("memory of the scene: unknown, its first step fails: %s\n", ignored.text);
+}
+
 static int info_main(const tool_arguments *args, cloth_error *err)
 {
   cloth_def *def = NULL;
@@ -167,6 +179,7 @@ static int info_main(const tool_arguments *args, cloth_error *err)
     printf("pins %d\n", def->pin_count);
     print_params(cloth_def_params(def));
     status = print_effects(scene, err);
+    if (status == CLOTH_OK) print_memory(scene);
   }
   cloth_scene_free(scene);
   cloth_def_free(def);

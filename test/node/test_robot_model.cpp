@@ -23,23 +23,25 @@ namespace {
 std::atomic<long> allocations{0};
 }
 
-void *operator new(size_t size)
+// Not inlined: gcc otherwise sees a free() of what operator new gave, and warns of a mismatch.
+#define NOT_INLINED __attribute__((noinline))
+NOT_INLINED void *operator new(size_t size)
 {
   allocations++;
   if (void *p = std::malloc(size ? size : 1)) return p;
   throw std::bad_alloc();
 }
-void *operator new(size_t size, std::align_val_t align)
+NOT_INLINED void *operator new(size_t size, std::align_val_t align)
 {
   allocations++;
   const size_t a = static_cast<size_t>(align);
   if (void *p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
   throw std::bad_alloc();
 }
-void operator delete(void *p) noexcept { std::free(p); }
-void operator delete(void *p, size_t) noexcept { std::free(p); }
-void operator delete(void *p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void *p, size_t, std::align_val_t) noexcept { std::free(p); }
+NOT_INLINED void operator delete(void *p) noexcept { std::free(p); }
+NOT_INLINED void operator delete(void *p, size_t) noexcept { std::free(p); }
+NOT_INLINED void operator delete(void *p, std::align_val_t) noexcept { std::free(p); }
+NOT_INLINED void operator delete(void *p, size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace {
 

@@ -105,6 +105,13 @@ TEST(scene, has_all_of_fcls_pairs_in_the_engines_broad_phase_while_bodies_move)
     pose.position[1] = .1;
     pose.position[2] = .05 + .003 * step;
     ASSERT_EQ(cloth_body_move(scene.get(), 1, &pose, &err), CLOTH_OK) << err.text;
+    // The box tilts, so that rotations count too.
+    const Eigen::Quaterniond tilt(
+        Eigen::AngleAxisd(.03 * step, Eigen::Vector3d(1, .5, 2).normalized()));
+    cloth_pose box = cloth_pose_identity();
+    box.position[2] = box_top - .05;
+    std::copy(tilt.coeffs().data(), tilt.coeffs().data() + 4, box.rotation); // x y z w, both
+    ASSERT_EQ(cloth_body_move(scene.get(), 0, &box, &err), CLOTH_OK) << err.text;
     ASSERT_EQ(cloth_step(scene.get(), .01, nullptr, &err), CLOTH_OK) << err.text;
     check.update(scene.get());
     const double margin = .01;

@@ -61,6 +61,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
 
   for (int n = 0; n < sim->params.newton_iterations_max; n++) {
     double correction;
+    sim->iteration = n;
     STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
     STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
     STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts

@@ -28,11 +28,10 @@ CLOTH_FN void cloth_impact_find(int i, const cloth_impact_find_args *a)
   cloth_pair_vertices(s, a->pair[i], &g);
   if (!cloth_pair_near(s, &g, a->gap) || cloth_contact_ignored(s, &g)) return;
 
-  // relative to the first vertex at the start
-  cloth_v3 o = cloth_v3_load(s->x_t0, g.vertex[0]), p[4], q[4];
+  cloth_v3 p[4], q[4]; // as stored: toi.h accounts for their rounding
   for (int k = 0; k < 4; k++) {
-    p[k] = cloth_v3_sub(cloth_v3_load(s->x_t0, g.vertex[k]), o);
-    q[k] = cloth_v3_sub(cloth_v3_load(s->x, g.vertex[k]), o);
+    p[k] = cloth_v3_load(s->x_t0, g.vertex[k]);
+    q[k] = cloth_v3_load(s->x, g.vertex[k]);
   }
   cloth_real toi;
   int hit = g.type == CLOTH_VERTEX_FACE

@@ -13,11 +13,14 @@ enum {
   CLOTH_PCG_BETA,
   CLOTH_PCG_RZ,   // r' z
   CLOTH_PCG_RR,   // r' r
-  CLOTH_PCG_BB,   // b' b over the free rows
+  CLOTH_PCG_BB,   // b' b of the substep's first solve, over the free rows
   CLOTH_PCG_DONE, // 1: converged or broken down
   CLOTH_PCG_ITERATIONS,
   CLOTH_PCG_SCALARS
 };
+
+// sums of a chunk, fields of `partial`
+enum { CLOTH_PCG_PARTIALS = 2 };
 
 // rows of a part: solve vectors are padded to whole chunks, and the padding stays zero
 typedef struct cloth_pcg_vectors {
@@ -26,7 +29,7 @@ typedef struct cloth_pcg_vectors {
   const cloth_real *inverse_diagonal; // [vertices x 6]
   const cloth_real *b;                // [vertices x 3]
   cloth_real *dx, *r, *z, *p, *q;     // [vertices x 3]
-  cloth_real *partial;                // [chunks x 2] sums of chunks
+  cloth_real *partial;                // [chunks x CLOTH_PCG_PARTIALS] sums of chunks
   cloth_real *scalar;                 // [CLOTH_PCG_SCALARS]
 } cloth_pcg_vectors;
 
@@ -34,6 +37,6 @@ typedef struct cloth_pcg_vectors {
 CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int field)
 {
   cloth_real sum = 0;
-  for (int c = 0; c < chunks; c++) sum += partial[2 * c + field];
+  for (int c = 0; c < chunks; c++) sum += partial[CLOTH_PCG_PARTIALS * c + field];
   return sum;
 }

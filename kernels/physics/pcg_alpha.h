@@ -5,7 +5,7 @@
 
 typedef struct cloth_pcg_alpha_args {
   int chunks;                // of all parts
-  const cloth_real *partial; // [chunks x 2] field 0: p'q
+  const cloth_real *partial; // [chunks x CLOTH_PCG_PARTIALS] field 0: p'q
   cloth_real *scalar;        // [CLOTH_PCG_SCALARS]
 } cloth_pcg_alpha_args;
 

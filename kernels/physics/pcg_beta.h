@@ -7,7 +7,8 @@ typedef struct cloth_pcg_beta_args {
   int chunks;                // of all parts
   int start;                 // 1: right after pcg_start
   cloth_real tolerance;      // relative residual
-  const cloth_real *partial; // [chunks x 2] r'z, r'r
+  int first;                 // 1: first Newton iteration of the substep
+  const cloth_real *partial; // [chunks x CLOTH_PCG_PARTIALS] r'z, r'r
   cloth_real *scalar;        // [CLOTH_PCG_SCALARS]
 } cloth_pcg_beta_args;
 
@@ -18,7 +19,10 @@ CLOTH_FN void cloth_pcg_beta(int i, const cloth_pcg_beta_args *a)
   if (!a->start && s[CLOTH_PCG_DONE] > 0) return;
   cloth_real rz = cloth_partial_sum(a->partial, a->chunks, 0);
   cloth_real rr = cloth_partial_sum(a->partial, a->chunks, 1);
-  if (a->start) s[CLOTH_PCG_BB] = rr, s[CLOTH_PCG_ITERATIONS] = 0, s[CLOTH_PCG_DONE] = 0;
+  if (a->start) { // later Newton iterations are measured against the first one's b
+    if (a->first || !(rr <= s[CLOTH_PCG_BB])) s[CLOTH_PCG_BB] = rr;
+    s[CLOTH_PCG_ITERATIONS] = 0, s[CLOTH_PCG_DONE] = 0;
+  }
   s[CLOTH_PCG_BETA] = a->start ? 0 : rz / s[CLOTH_PCG_RZ];
   s[CLOTH_PCG_RZ] = rz, s[CLOTH_PCG_RR] = rr;
   if (!(rr > a->tolerance * a->tolerance * s[CLOTH_PCG_BB])) s[CLOTH_PCG_DONE] = 1;

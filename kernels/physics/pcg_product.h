@@ -12,7 +12,7 @@ typedef struct cloth_pcg_product_args {
   const cloth_real *contact_q;      // [contacts x 3] contact_product.h
   const cloth_real *x;              // [vertices x 3]
   cloth_real *q;                    // [vertices x 3], written
-  cloth_real *partial;              // [chunks x 2], field 0 written
+  cloth_real *partial;              // [chunks x CLOTH_PCG_PARTIALS], field 0 written
 } cloth_pcg_product_args;
 
 CLOTH_FN void cloth_pcg_product(int i, const cloth_pcg_product_args *a)
@@ -33,5 +33,5 @@ CLOTH_FN void cloth_pcg_product(int i, const cloth_pcg_product_args *a)
       sum += cloth_v3_dot(cloth_v3_load(a->x, a->first + row + l), q);
     }
   }
-  a->partial[2 * (a->first / CLOTH_CHUNK + i)] = sum;
+  a->partial[CLOTH_PCG_PARTIALS * (a->first / CLOTH_CHUNK + i)] = sum;
 }

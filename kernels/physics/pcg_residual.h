@@ -18,5 +18,5 @@ CLOTH_FN void cloth_pcg_residual(int i, const cloth_pcg_residual_args *a)
     cloth_v3_store(v->r, k, r);
     rr += v->free[k] * cloth_v3_dot(r, r);
   }
-  v->partial[2 * (v->first / CLOTH_CHUNK + i)] = rr;
+  v->partial[CLOTH_PCG_PARTIALS * (v->first / CLOTH_CHUNK + i)] = rr;
 }

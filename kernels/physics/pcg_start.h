@@ -22,6 +22,6 @@ CLOTH_FN void cloth_pcg_start(int i, const cloth_pcg_start_args *a)
     cloth_v3_store(v->p, k, z);
     rz += cloth_v3_dot(r, z), rr += cloth_v3_dot(r, r);
   }
-  cloth_real *partial = v->partial + 2 * (v->first / CLOTH_CHUNK + i);
+  cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (v->first / CLOTH_CHUNK + i);
   partial[0] = rz, partial[1] = rr;
 }

@@ -23,6 +23,6 @@ CLOTH_FN void cloth_pcg_update(int i, const cloth_pcg_update_args *a)
     cloth_v3_store(v->z, k, z);
     rz += cloth_v3_dot(r, z), rr += cloth_v3_dot(r, r);
   }
-  cloth_real *partial = v->partial + 2 * (v->first / CLOTH_CHUNK + i);
+  cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (v->first / CLOTH_CHUNK + i);
   partial[0] = rz, partial[1] = rr;
 }

@@ -34,7 +34,8 @@ static cloth_pcg_vectors vectors(const cloth_part *p)
 
 static cloth_status exchange_partial(cloth_sim *sim, cloth_error *err)
 {
-  return cloth_exchange(sim, offsetof(cloth_part, partial), true, 2 * sizeof(cloth_real), err);
+  return cloth_exchange(sim, offsetof(cloth_part, partial), true,
+                        CLOTH_PCG_PARTIALS * sizeof(cloth_real), err);
 }
 
 // q = A x on every part, with the chunk sums of x'q; x is p or dx, complete on every part
@@ -67,8 +68,12 @@ static cloth_status beta(cloth_sim *sim, int start, cloth_error *err)
   CLOTH_TRY(exchange_partial(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_pcg_beta_args a = {sim->chunks, start, (cloth_real)sim->params.pcg_tolerance, p->partial,
-                             p->scalar};
+    cloth_pcg_beta_args a = {.chunks = sim->chunks,
+                             .start = start,
+                             .tolerance = (cloth_real)sim->params.pcg_tolerance,
+                             .first = sim->iteration == 0,
+                             .partial = p->partial,
+                             .scalar = p->scalar};
     CLOTH_LAUNCH(sim, p, pcg_beta, 1, &a, err);
   }
   return CLOTH_OK;
@@ -113,11 +118,11 @@ static cloth_status residual(cloth_sim *sim, double bb, double *relative, cloth_
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_residual, cloth_part_chunks(&sim->part[i]), &a, err);
   }
   CLOTH_TRY(exchange_partial(sim, err));
-  CLOTH_TRY(cloth_staging(sim, 2 * (size_t)sim->chunks, err));
+  CLOTH_TRY(cloth_staging(sim, CLOTH_PCG_PARTIALS * (size_t)sim->chunks, err));
   CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].partial,
-                               sizeof(cloth_real) * 2 * (size_t)sim->chunks, err));
+                               sizeof(cloth_real) * CLOTH_PCG_PARTIALS * (size_t)sim->chunks, err));
   double rr = 0;
-  for (int c = 0; c < sim->chunks; c++) rr += (double)sim->host[2 * c];
+  for (int c = 0; c < sim->chunks; c++) rr += (double)sim->host[CLOTH_PCG_PARTIALS * c];
   *relative = bb > 0 ? sqrt(rr / bb) : 0;
   return CLOTH_OK;
 }

@@ -76,7 +76,7 @@ cloth_status cloth_sim_reset(void *data, cloth_error *err)
   cloth_sim *sim = data;
   size_t n = 3 * (size_t)sim->vertex_count;
   sim->pairs_valid = false;
-  sim->time = 0, sim->step = 0;
+  sim->time = 0, sim->step = 0, sim->speed_last = 0;
   CLOTH_TRY(cloth_staging(sim, n, err));
   for (size_t i = 0; i < n; i++) sim->host[i] = (cloth_real)sim->rest[i];
   for (int p = 0; p < sim->part_count; p++)

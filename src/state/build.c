@@ -76,7 +76,7 @@ static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *er
   cloth_real **solve[] = {&p->b, &p->dx, &p->r, &p->z, &p->p, &p->q};
   for (int i = 0; i < 6; i++) CLOTH_TRY(take_reals(sim, p, "solve", padded, 3, solve[i], err));
   CLOTH_TRY(take_reals(sim, p, "inverse_diagonal", padded, 6, &p->inverse_diagonal, err));
-  CLOTH_TRY(take_reals(sim, p, "partial", sim->chunks, 2, &p->partial, err));
+  CLOTH_TRY(take_reals(sim, p, "partial", sim->chunks, CLOTH_PCG_PARTIALS, &p->partial, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
   CLOTH_TRY(take_reals(sim, p, "box_of_chunk", sim->chunks, 6, &p->box_of_chunk, err));

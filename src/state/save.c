@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char MAGIC[8] = "CLOTHST2";
+static const char MAGIC[8] = "CLOTHST3";
 
 typedef struct file_header {
   char magic[8];

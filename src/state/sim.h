@@ -186,6 +186,7 @@ struct cloth_sim {
   double time, time_t0;
   int64_t step;
   double h;          // s, of this substep
+  int iteration;     // Newton iteration of this substep
   double speed_last; // m/s, fastest vertex of the last substep
   double damping_h;  // s, step for which the damping numbers are set
   bool pairs_valid;  // the candidates still cover every path from x_t0 to x

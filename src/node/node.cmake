@@ -50,7 +50,6 @@ add_service_files(DIRECTORY srv FILES
 generate_messages(DEPENDENCIES ${CLOTH_ROS_MESSAGES})
 
 # <robot_cloth/cloth.h> in the devel space, too
-set(CLOTH_PUBLIC_HEADERS cloth.h params.h params.inl material.inl report.h report.inl stages.inl status.h)
 foreach(header ${CLOTH_PUBLIC_HEADERS})
   configure_file(src/${header} ${CATKIN_DEVEL_PREFIX}/include/robot_cloth/${header} COPYONLY)
 endforeach()
@@ -86,13 +85,14 @@ foreach(target robot_cloth_node robot_cloth_exe robot_cloth_nodelet)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Werror)
 endforeach()
 set_target_properties(robot_cloth_node robot_cloth_nodelet PROPERTIES
-                      LIBRARY_OUTPUT_DIRECTORY ${CLOTH_DEVEL_LIB} INSTALL_RPATH "$ORIGIN")
+                      LIBRARY_OUTPUT_DIRECTORY ${CLOTH_DEVEL_LIB} INSTALL_RPATH "$ORIGIN;$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 set_target_properties(robot_cloth_exe PROPERTIES OUTPUT_NAME cloth_node
-                      RUNTIME_OUTPUT_DIRECTORY ${CLOTH_DEVEL_BIN} INSTALL_RPATH "$ORIGIN/..")
+                      RUNTIME_OUTPUT_DIRECTORY ${CLOTH_DEVEL_BIN} INSTALL_RPATH "$ORIGIN/..;$ORIGIN/../../${CMAKE_INSTALL_LIBDIR}")
 
 # ---- install ----
 install(TARGETS robot_cloth_node robot_cloth_nodelet LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION})
 install(TARGETS robot_cloth_exe RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
-list(TRANSFORM CLOTH_PUBLIC_HEADERS PREPEND src/ OUTPUT_VARIABLE CLOTH_PUBLIC_HEADER_FILES)
-install(FILES ${CLOTH_PUBLIC_HEADER_FILES} DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
+# the rostests, to run them from the install space: rostest robot_cloth lockstep.test
+install(DIRECTORY test/node DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/test USE_SOURCE_PERMISSIONS
+        FILES_MATCHING PATTERN "*.test" PATTERN "*.py" PATTERN "data/*")

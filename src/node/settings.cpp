@@ -312,6 +312,7 @@ Settings readSettings(const ros::NodeHandle &priv)
     }
   }
   const std::vector<string> known = settingNames();
+  flat.erase("robot_description"); // a URDF of our own namespace
   for (auto &entry : flat)
     if (std::find(known.begin(), known.end(), entry.first) == known.end()) {
       std::vector<string> near = known;
@@ -349,17 +350,25 @@ std::vector<string> applyParams(const Settings &settings, const string &ns, clot
     std::ostringstream line;
     line << i->name << " = ";
     size_t size = sizeof(double);
-    if (i->kind == cloth_param_info::CLOTH_IS_DOUBLE)
-      line << *reinterpret_cast<const double *>(a);
+    const char *unit = i->unit;
+    if (i->kind == cloth_param_info::CLOTH_IS_DOUBLE) line << *reinterpret_cast<const double *>(a);
     else if (i->kind == cloth_param_info::CLOTH_IS_VECTOR) {
       const double *v = reinterpret_cast<const double *>(a);
       line << v[0] << " " << v[1] << " " << v[2];
       size *= 3;
     } else {
-      line << *reinterpret_cast<const int *>(a);
+      const int value = *reinterpret_cast<const int *>(a);
       size = sizeof(int);
+      if (i->kind == cloth_param_info::CLOTH_IS_INT) line << value;
+      else {
+        std::istringstream choices(i->choices);
+        string choice;
+        for (int n = 0; n <= value; n++) std::getline(choices, choice, '|');
+        line << choice;
+        unit = i->choices;
+      }
     }
-    line << " " << i->unit << (std::memcmp(a, b, size) == 0 ? " (default)" : "");
+    line << " " << unit << (std::memcmp(a, b, size) == 0 ? " (default)" : "");
     lines.push_back(line.str());
     ROS_INFO_STREAM("  ~params/" << lines.back());
   }

@@ -11,7 +11,7 @@ CLOTH_SETTING(double, run_duration, "run_duration", 0, "s", 0, 1e9, "simulated t
 
 // robot
 CLOTH_SETTING(bool, use_robot, "use_robot", true, "", 0, 0, "links of robot_description become bodies")
-CLOTH_SETTING(string, robot_description, "robot_description", "robot_description", "parameter", 0, 0, "name of the URDF parameter, searched upwards from the node")
+CLOTH_SETTING(string, robot_description, "description_name", "robot_description", "parameter", 0, 0, "name of the URDF parameter, searched upwards from the node")
 CLOTH_SETTING(double, robot_timeout, "robot_timeout", 30, "s", 0, 3600, "wall time to wait for robot_description at start")
 CLOTH_SETTING(bool, wait_for_robot, "wait_for_robot", false, "", 0, 0, "do not simulate before every joint of the robot is known")
 CLOTH_SETTING(double, robot_friction, "robot_friction", 0.4, "1", 0, 10, "Coulomb coefficient of the links against cloth")

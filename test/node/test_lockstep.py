@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """lockstep.test: only ~step advances, and the same requests give the same state hash."""
+import math
 import os
 import sys
 import unittest
@@ -10,9 +11,11 @@ import one_arm  # noqa: E402
 import rospy  # noqa: E402
 import rostest  # noqa: E402
 from robot_cloth.srv import GetState, Grasp, LoadState, SaveState, SetObstacle, SetState, Step  # noqa: E402
-from geometry_msgs.msg import Pose  # noqa: E402
+from geometry_msgs.msg import Pose, WrenchStamped  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_srvs.srv import SetBool, Trigger  # noqa: E402
+
+WEIGHT = 0.3 * 0.3 * 0.3 * 9.81  # N: density [kg/m^2] * area * g
 
 
 class Lockstep(unittest.TestCase):
@@ -142,6 +145,28 @@ class Lockstep(unittest.TestCase):
         self.step(steps=1, frames=[hook])
         after = self.get_state().positions[3 * v:3 * v + 3]
         self.assertAlmostEqual(after[2] - before[2], 0.02, delta=1e-6)  # rigid, in single precision
+        self.reset()
+
+    def test_wrench_of_a_hanging_towel_is_its_weight_in_the_frame_of_the_grasp(self):
+        self.reset()
+        away = Pose()
+        away.position.x, away.position.z = 2.0, 0.385
+        self.assertTrue(one_arm.service('set_obstacle', SetObstacle)(body='table', pose=away, place=True).success)
+        hook = one_arm.base_frame(0, 0, 0.5)
+        hook.child_frame_id = 'hook'
+        hook.transform.rotation.x, hook.transform.rotation.w = math.sqrt(0.5), math.sqrt(0.5)  # its y is up
+        self.step(steps=1, frames=[hook])
+        self.assertTrue(one_arm.service('grasp', Grasp)(id='hook', frame_id='hook', how='radius', radius=0.2, limit=4).success)
+        wrench = one_arm.Listener('cloth/grasps/hook/wrench', WrenchStamped)
+        rospy.sleep(0.5)  # until the node knows the subscriber
+        self.step(steps=400)
+        self.assertIsNotNone(wrench.until(lambda m: True))
+        rospy.sleep(0.2)
+        force = [sum(getattr(m.wrench.force, a) for m in wrench.messages[-180:]) / len(wrench.messages[-180:]) for a in 'xyz']
+        # after 3.7 s a mean over 3 s: what still swings moves it by a few per cent
+        for mean, wanted in zip(force, (0, WEIGHT, 0)):
+            self.assertAlmostEqual(mean, wanted, delta=0.05 * WEIGHT)
+        self.assertEqual(wrench.messages[-1].header.frame_id, 'hook')
         self.reset()
 
 

@@ -31,7 +31,7 @@ class Start(unittest.TestCase):
         if description is not None:
             rospy.set_param('/robot_description', description)
         process = subprocess.Popen([self.node, '__name:=start_test'], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                   universal_newlines=True)
+                                   universal_newlines=True, env=dict(os.environ, ROSCONSOLE_FORMAT='|${message}|'))
         try:
             out, _ = process.communicate(timeout=seconds)
             return process.returncode, out
@@ -101,8 +101,8 @@ class Start(unittest.TestCase):
         code, out = self.run_node(dict(scene=SCENE, use_robot=False, run_duration=0.1, time=dict(mode='wall'),
                                        params=dict(thickness=0.002)))
         self.assertEqual(code, 0, out)
-        self.assertRegex(out, r'~params/thickness = 0\.002 m *\n')
-        self.assertRegex(out, r'~robot_friction = 0\.4 1 \(default\)')
+        self.assertRegex(out, r'~params/thickness = 0\.002 m\|')
+        self.assertRegex(out, r'~robot_friction = 0\.4 1 \(default\)\|')
 
     def test_scene_parameters_override_the_file(self):
         code, out = self.run_node(dict(scene=SCENE, use_robot=False, run_duration=0.5, time=dict(mode='wall'),

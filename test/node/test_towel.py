@@ -99,13 +99,13 @@ class Towel(unittest.TestCase):
         for v in ids:  # rigid: exactly the motion of the frame
             for axis, move in ((0, 0.25), (1, 0.0), (2, 0.35)):
                 self.assertAlmostEqual(after[v][axis] - before[v][axis], move, delta=1e-4)
-        # the whole towel hangs from the gripper: the wrench in the (unrotated) tool frame is its weight
+        # palm and fingers carry a part of the towel, the grasp the rest (test_lockstep.py has the sharp test)
         wrench = one_arm.Listener('cloth/grasps/gripper/wrench', WrenchStamped)
         self.assertIsNotNone(wrench.until(lambda m: True, 10))
         self.settle(2.0)
         forces = [m.wrench.force.z for m in wrench.messages[-60:]]
         self.assertEqual(wrench.messages[-1].header.frame_id, 'tool')
-        self.assertAlmostEqual(sum(forces) / len(forces), WEIGHT, delta=0.25 * WEIGHT)  # it still swings
+        self.assertTrue(0.1 * WEIGHT < sum(forces) / len(forces) < 1.5 * WEIGHT, forces)  # it still swings
         self.assertGreater(min(p[2] for p in after), 0.2)
         top = after[ids[0]][2]
         self.driver.go(0.3, finger=0.05)

@@ -40,6 +40,9 @@ CLOTH_KERNEL(impact_hold_back)
 
 // solve
 CLOTH_KERNEL(assemble_row)
+CLOTH_KERNEL(coarse_chunk)
+CLOTH_KERNEL(coarse_factor)
+CLOTH_KERNEL(coarse_solve)
 CLOTH_KERNEL(pcg_start)
 CLOTH_KERNEL(pcg_product)
 CLOTH_KERNEL(pcg_alpha)

@@ -29,6 +29,7 @@ CLOTH_PARAM(int, newton_iterations_max, 2, "1", 1, 100, "linear systems per subs
 CLOTH_PARAM(double, newton_tolerance, 1e-2, "1", 1e-12, 1, "stop when the largest correction is below this share of the contact thickness")
 CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solver at this relative residual")
 CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
+CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level", "3x3 block Jacobi (P-Cloth), or with a coarse level for pulls along the whole cloth")
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
 
 // world
@@ -44,7 +45,7 @@ CLOTH_PARAM(double, thickness, 3e-3, "m", 1e-5, 5e-2, "distance that contact kee
 CLOTH_PARAM(double, contact_stiffness, 20, "1", 1e-2, 1e6, "contact spring in units of vertex mass / step^2")
 CLOTH_PARAM(double, friction, 0.3, "1", 0, 10, "Coulomb coefficient, cloth on cloth")
 CLOTH_PARAM(double, friction_slip_speed, 1e-3, "m/s", 1e-7, 1, "below this slip speed friction is static")
-CLOTH_PARAM(double, pair_slack, 2e-3, "m", 0, 1e-1, "how far a vertex may stray from its prediction before pairs are searched again")
+CLOTH_PARAM(double, pair_slack, 1e-3, "m", 0, 1e-1, "how far a vertex may stray from its prediction before pairs are searched again")
 CLOTH_PARAM(int, failsafe_iterations_max, 20, "1", 1, 1000, "passes that hold back what would pass through, before all involved vertices are stopped")
 
 // input

@@ -9,6 +9,13 @@
 
 enum { CLOTH_ROW_GROUP = 8 };
 
+// a loop over the rows of a group, one lane each
+#if defined(_OPENMP) && !defined(__CUDACC__)
+#define CLOTH_LANES _Pragma("omp simd")
+#else
+#define CLOTH_LANES
+#endif
+
 typedef struct cloth_block_rows {
   const int *first; // [groups + 1] slots before the group
   const int *col;   // [slots x GROUP] vertex; unused slots name the row itself and hold zeros
@@ -85,10 +92,13 @@ CLOTH_FN void cloth_block_product(const cloth_block_rows *r, int group, const cl
       x0[l] = from[0], x1[l] = from[1], x2[l] = from[2];
     }
     const int g = CLOTH_ROW_GROUP;
+    CLOTH_LANES
     for (int l = 0; l < CLOTH_ROW_GROUP; l++)
       y0[l] += a[l] * x0[l] + a[g + l] * x1[l] + a[2 * g + l] * x2[l];
+    CLOTH_LANES
     for (int l = 0; l < CLOTH_ROW_GROUP; l++)
       y1[l] += a[3 * g + l] * x0[l] + a[4 * g + l] * x1[l] + a[5 * g + l] * x2[l];
+    CLOTH_LANES
     for (int l = 0; l < CLOTH_ROW_GROUP; l++)
       y2[l] += a[6 * g + l] * x0[l] + a[7 * g + l] * x1[l] + a[8 * g + l] * x2[l];
   }

@@ -46,11 +46,11 @@ CLOTH_FN void cloth_pair_share(int i, const cloth_pair_share_args *a)
       if (tb < m->cloth_triangles && !m->self) continue;
       cloth_box box_b = cloth_box_load(m->box, tb);
       if (!cloth_box_near(box_a, box_b, m->gap)) continue;
-      cloth_cells ca = cloth_grid_cells(&a->grid, box_a, a->cell_gap);
-      cloth_cells cb = cloth_grid_cells(&a->grid, box_b, a->cell_gap);
-      int x = ca.lo[0] > cb.lo[0] ? ca.lo[0] : cb.lo[0],
-          y = ca.lo[1] > cb.lo[1] ? ca.lo[1] : cb.lo[1];
-      int z = ca.lo[2] > cb.lo[2] ? ca.lo[2] : cb.lo[2];
+      // the first cell of both: cell numbers are monotone, so it is that of the larger corner
+      cloth_v3 lo = cloth_v3_max(box_a.lo, box_b.lo);
+      int x = cloth_grid_cell(&a->grid, 0, lo.x - a->cell_gap);
+      int y = cloth_grid_cell(&a->grid, 1, lo.y - a->cell_gap);
+      int z = cloth_grid_cell(&a->grid, 2, lo.z - a->cell_gap);
       if (cloth_grid_key(&a->grid, x, y, z) == a->cell[e]) cloth_pair_emit(m, ta, tb);
     }
   }

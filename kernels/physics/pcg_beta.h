@@ -17,7 +17,7 @@ CLOTH_FN void cloth_pcg_beta(int i, const cloth_pcg_beta_args *a)
   (void)i;
   cloth_real *s = a->scalar;
   if (!a->start && s[CLOTH_PCG_DONE] > 0) return;
-  cloth_real rz = cloth_partial_sum(a->partial, a->chunks, 0);
+  cloth_real rz = cloth_partial_sum(a->partial, a->chunks, 0) + s[CLOTH_PCG_RZ_COARSE];
   cloth_real rr = cloth_partial_sum(a->partial, a->chunks, 1);
   if (a->start) { // later Newton iterations are measured against the first one's b
     if (a->first || !(rr <= s[CLOTH_PCG_BB])) s[CLOTH_PCG_BB] = rr;

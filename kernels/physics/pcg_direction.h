@@ -1,4 +1,5 @@
-// p = z + beta p for chunk i.
+// p = z + beta p for chunk i, where z is block Jacobi's plus the correction of the chunk's
+// aggregate.
 #pragma once
 
 #include "pcg.h"
@@ -13,7 +14,12 @@ CLOTH_FN void cloth_pcg_direction(int i, const cloth_pcg_direction_args *a)
   if (v->scalar[CLOTH_PCG_DONE] > 0) return;
   cloth_real beta = v->scalar[CLOTH_PCG_BETA];
   int end = cloth_chunk_end(v->first, v->count, i);
-  for (int k = v->first + i * CLOTH_CHUNK; k < end; k++)
-    cloth_v3_store(v->p, k,
-                   cloth_v3_add_scaled(cloth_v3_load(v->z, k), beta, cloth_v3_load(v->p, k)));
+  cloth_v3 coarse = cloth_v3_make(0, 0, 0);
+  int begin = v->first + i * CLOTH_CHUNK;
+  if (v->coarse)
+    coarse = cloth_v3_load(v->coarse, cloth_aggregate_of(begin, v->chunks, v->aggregates));
+  for (int k = begin; k < end; k++) {
+    cloth_v3 z = cloth_v3_add_scaled(cloth_v3_load(v->z, k), v->free[k], coarse);
+    cloth_v3_store(v->p, k, cloth_v3_add_scaled(z, beta, cloth_v3_load(v->p, k)));
+  }
 }

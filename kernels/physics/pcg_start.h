@@ -1,4 +1,4 @@
-// dx = 0, r = b on free rows, z = D^-1 r, p = z; partial r'z and r'r of chunk i.
+// dx = p = 0, r = b on free rows, z = D^-1 r; partial r'z, r'r and r of chunk i.
 #pragma once
 
 #include "pcg.h"
@@ -11,6 +11,7 @@ CLOTH_FN void cloth_pcg_start(int i, const cloth_pcg_start_args *a)
 {
   const cloth_pcg_vectors *v = &a->v;
   cloth_real rz = 0, rr = 0;
+  cloth_v3 sum = cloth_v3_make(0, 0, 0);
   int end = cloth_chunk_end(v->first, v->count, i);
   for (int k = v->first + i * CLOTH_CHUNK; k < end; k++) {
     cloth_v3 r = cloth_v3_scale(v->free[k], cloth_v3_load(v->b, k));
@@ -19,9 +20,10 @@ CLOTH_FN void cloth_pcg_start(int i, const cloth_pcg_start_args *a)
     cloth_v3_store(v->dx, k, cloth_v3_make(0, 0, 0));
     cloth_v3_store(v->r, k, r);
     cloth_v3_store(v->z, k, z);
-    cloth_v3_store(v->p, k, z);
+    cloth_v3_store(v->p, k, cloth_v3_make(0, 0, 0));
+    sum = cloth_v3_add(sum, r);
     rz += cloth_v3_dot(r, z), rr += cloth_v3_dot(r, r);
   }
   cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (v->first / CLOTH_CHUNK + i);
-  partial[0] = rz, partial[1] = rr;
+  partial[0] = rz, partial[1] = rr, partial[2] = sum.x, partial[3] = sum.y, partial[4] = sum.z;
 }

@@ -55,13 +55,19 @@ cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err
 
 static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, cloth_error *err)
 {
-  cloth_vertex_box_args v = {0, p->x_t0, p->x, (cloth_real)slack, p->vertex_box};
+  cloth_vertex_box_args v = {0,
+                             p->x_t0,
+                             p->x,
+                             sim->h > 0 ? p->v : NULL,
+                             (cloth_real)sim->h,
+                             (cloth_real)slack,
+                             p->vertex_box};
   cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, p->triangle_box};
   CLOTH_LAUNCH(sim, p, vertex_box, sim->vertex_count, &v, err);
   CLOTH_LAUNCH(sim, p, triangle_box, sim->triangle_count, &t, err);
   for (int b = 0; b < sim->def->body_count; b++) {
     if (!sim->body[b].near) continue;
-    v.first = sim->body[b].vertex_first, t.first = sim->body[b].triangle_first;
+    v.v = NULL, v.first = sim->body[b].vertex_first, t.first = sim->body[b].triangle_first;
     CLOTH_LAUNCH(sim, p, vertex_box, sim->body[b].vertex_count, &v, err);
     CLOTH_LAUNCH(sim, p, triangle_box, sim->body[b].triangle_count, &t, err);
   }

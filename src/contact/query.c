@@ -44,6 +44,7 @@ static cloth_status read_pairs(cloth_sim *sim, cloth_part *p, cloth_body_pair *a
 static cloth_status freeze(cloth_sim *sim, double margin, cloth_error *err)
 {
   double thickness = sim->params.thickness;
+  sim->h = 0;
   sim->params.thickness = margin; // what counts as near
   for (int p = 0; p < sim->part_count; p++)
     CLOTH_TRY(cloth_copy_local(sim, &sim->part[p], sim->part[p].x, sim->part[p].x_t0,

@@ -2,6 +2,9 @@
 // launches and exchanges. Dot products are sums of chunks; every part gets all chunk sums and adds
 // them in the same order, so the scalars are the same bits on every part and for every number of
 // parts.
+#include "coarse_chunk.h"
+#include "coarse_factor.h"
+#include "coarse_solve.h"
 #include "contact_product.h"
 #include "correct.h"
 #include "pcg_alpha.h"
@@ -15,7 +18,7 @@
 
 #include <math.h>
 
-static cloth_pcg_vectors vectors(const cloth_part *p)
+static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
 {
   cloth_pcg_vectors v = {.first = p->v0,
                          .count = p->v1 - p->v0,
@@ -28,6 +31,9 @@ static cloth_pcg_vectors vectors(const cloth_part *p)
                          .p = p->p,
                          .q = p->q,
                          .partial = p->partial,
+                         .coarse = sim->aggregates > 0 ? p->coarse : NULL,
+                         .aggregates = sim->aggregates,
+                         .chunks = sim->chunks,
                          .scalar = p->scalar};
   return v;
 }
@@ -63,11 +69,46 @@ static cloth_status product(cloth_sim *sim, bool of_dx, cloth_error *err)
   return CLOTH_OK;
 }
 
+// the coarse matrix and its factor, from the first linear system of a substep
+static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
+{
+  if (sim->aggregates == 0 || sim->iteration > 0) return CLOTH_OK;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_coarse_chunk_args a = {.rows = {p->row_first, p->row_col, p->row_val},
+                                 .first = p->v0,
+                                 .count = p->v1 - p->v0,
+                                 .cloth_vertices = sim->vertex_count,
+                                 .chunks = sim->chunks,
+                                 .aggregates = sim->aggregates,
+                                 .free = p->free,
+                                 .contact_first = p->contact_count > 0 ? p->contact_first : NULL,
+                                 .contact_entry = p->contact_entry,
+                                 .contact_vertex = p->contact_vertex,
+                                 .contact_weight = p->contact_weight,
+                                 .contact_tangent = p->contact_tangent,
+                                 .slice = p->slice};
+    CLOTH_LAUNCH(sim, p, coarse_chunk, cloth_part_chunks(p), &a, err);
+  }
+  size_t row = sizeof(cloth_real) * 9 * (size_t)sim->aggregates;
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, slice), true, row, err));
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_coarse_factor_args a = {sim->chunks, sim->aggregates, p->slice,
+                                  p->lower,    p->upper,        p->usable};
+    CLOTH_LAUNCH(sim, p, coarse_factor, 1, &a, err);
+  }
+  return CLOTH_OK;
+}
+
 static cloth_status beta(cloth_sim *sim, int start, cloth_error *err)
 {
   CLOTH_TRY(exchange_partial(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
+    cloth_coarse_solve_args c = {sim->chunks, sim->aggregates, p->partial, p->lower, p->upper,
+                                 p->usable,   p->coarse_rest,  p->coarse,  p->scalar};
+    if (sim->aggregates > 0) CLOTH_LAUNCH(sim, p, coarse_solve, 1, &c, err);
     cloth_pcg_beta_args a = {.chunks = sim->chunks,
                              .start = start,
                              .tolerance = (cloth_real)sim->params.pcg_tolerance,
@@ -79,14 +120,24 @@ static cloth_status beta(cloth_sim *sim, int start, cloth_error *err)
   return CLOTH_OK;
 }
 
-static cloth_status start(cloth_sim *sim, cloth_error *err)
+static cloth_status direction(cloth_sim *sim, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
-    cloth_pcg_start_args a = {vectors(&sim->part[i])};
+    cloth_pcg_direction_args a = {vectors(sim, &sim->part[i])};
+    CLOTH_LAUNCH(sim, &sim->part[i], pcg_direction, cloth_part_chunks(&sim->part[i]), &a, err);
+  }
+  return cloth_exchange(sim, offsetof(cloth_part, p), false, 3 * sizeof(cloth_real), err);
+}
+
+static cloth_status start(cloth_sim *sim, cloth_error *err)
+{
+  CLOTH_TRY(coarsen(sim, err));
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_pcg_start_args a = {vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_start, cloth_part_chunks(&sim->part[i]), &a, err);
   }
   CLOTH_TRY(beta(sim, 1, err));
-  return cloth_exchange(sim, offsetof(cloth_part, p), false, 3 * sizeof(cloth_real), err);
+  return direction(sim, err);
 }
 
 static cloth_status iterate(cloth_sim *sim, cloth_error *err)
@@ -97,15 +148,11 @@ static cloth_status iterate(cloth_sim *sim, cloth_error *err)
     cloth_part *p = &sim->part[i];
     cloth_pcg_alpha_args a = {sim->chunks, p->partial, p->scalar};
     CLOTH_LAUNCH(sim, p, pcg_alpha, 1, &a, err);
-    cloth_pcg_update_args u = {vectors(p)};
+    cloth_pcg_update_args u = {vectors(sim, p)};
     CLOTH_LAUNCH(sim, p, pcg_update, cloth_part_chunks(p), &u, err);
   }
   CLOTH_TRY(beta(sim, 0, err));
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_pcg_direction_args a = {vectors(&sim->part[i])};
-    CLOTH_LAUNCH(sim, &sim->part[i], pcg_direction, cloth_part_chunks(&sim->part[i]), &a, err);
-  }
-  return cloth_exchange(sim, offsetof(cloth_part, p), false, 3 * sizeof(cloth_real), err);
+  return direction(sim, err);
 }
 
 // the true residual, and the reactions of held rows in r
@@ -114,7 +161,7 @@ static cloth_status residual(cloth_sim *sim, double bb, double *relative, cloth_
   CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, dx), false, 3 * sizeof(cloth_real), err));
   CLOTH_TRY(product(sim, true, err));
   for (int i = 0; i < sim->part_count; i++) {
-    cloth_pcg_residual_args a = {vectors(&sim->part[i])};
+    cloth_pcg_residual_args a = {vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_residual, cloth_part_chunks(&sim->part[i]), &a, err);
   }
   CLOTH_TRY(exchange_partial(sim, err));

@@ -12,6 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { AGGREGATES_MAX = 96 }; // a dense factor of 288 rows
+
 // ---- devices and parts --------------------------------------------------------------------------
 
 static cloth_status choose_backend(cloth_sim *sim, cloth_error *err)
@@ -83,6 +85,18 @@ static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *er
   return take_reals(sim, p, "largest", sim->chunks, 1, &p->largest, err);
 }
 
+// the coarse level of the solver
+static cloth_status take_coarse(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  int n = 3 * sim->aggregates;
+  CLOTH_TRY(take_reals(sim, p, "slice", sim->chunks, 3 * n, &p->slice, err));
+  CLOTH_TRY(take_reals(sim, p, "lower", n, n, &p->lower, err));
+  CLOTH_TRY(take_reals(sim, p, "upper", n, n, &p->upper, err));
+  CLOTH_TRY(take_reals(sim, p, "usable", 1, 1, &p->usable, err));
+  CLOTH_TRY(take_reals(sim, p, "coarse_rest", n, 1, &p->coarse_rest, err));
+  return take_reals(sim, p, "coarse", n, 1, &p->coarse, err);
+}
+
 // what contact needs; a scene without contact takes none of it
 static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
@@ -152,6 +166,11 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   sim->owner = CLOTH_CORE;
   CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->all_vertices + 16, err));
   CLOTH_TRY(take_vertices(sim, p, err));
+  // worth it when there is something stiff to solve and more than a patch of it
+  bool coarse =
+      sim->params.preconditioner == 1 && sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
+  sim->aggregates = !coarse ? 0 : sim->chunks < AGGREGATES_MAX ? sim->chunks : AGGREGATES_MAX;
+  if (coarse) CLOTH_TRY(take_coarse(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;

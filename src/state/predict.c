@@ -44,7 +44,7 @@ void cloth_pose_matrix(const cloth_pose *pose, cloth_real out[12])
 
 // ---- what is near -------------------------------------------------------------------------------
 
-static cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err)
+cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err)
 {
   cloth_part *p = &sim->part[0];
   cloth_box_chunk_args a = {sim->vertex_count, p->x_t0, p->x, p->box_of_chunk};

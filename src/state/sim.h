@@ -108,6 +108,7 @@ typedef struct cloth_part {
   cloth_real *b, *dx, *r, *z, *p, *q; // [n x 3]
   cloth_real *inverse_diagonal;       // [n x 6]
   cloth_real *partial, *scalar;
+  cloth_real *slice, *lower, *upper, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_real *commit, *largest;  // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
   cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
   cloth_real *box_of_chunk;      // [chunks x 6] m
@@ -152,6 +153,7 @@ struct cloth_sim {
   int edge_count, all_edges;
   int hinge_count;
   int chunks;
+  int aggregates;       // of the coarse level; 0: none
   int *cloth_first;    // [cloths + 1] first internal vertex
   int *triangle_first; // [cloths + 1]
   int *order;          // [vertex_count] file order within the cloth, by internal vertex
@@ -261,6 +263,7 @@ cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *
 // ---- stages -------------------------------------------------------------------------------------
 
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
+cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err); // box of x_t0 and x, all cloth
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err); // now, whatever is known already

@@ -5,6 +5,7 @@
 #include "commit_chunk.h"
 #include "effect/effect.h"
 #include "membrane_stretch.h"
+#include "predict.h"
 #include "reduce_max.h"
 #include "state/state.h"
 
@@ -134,10 +135,24 @@ static double body_travel(const cloth_body *b)
   return sqrt(d_sq) + (angle > 1e-7 ? angle * b->radius : 0);
 }
 
-// is the body's ball within reach of where the cloth was last seen?
+// where the cloth gets to in this step if nothing stops it. From the state alone: what was computed
+// before must not show, or a run continued from a file would be cut differently.
+static cloth_status find_reach(cloth_sim *sim, double h, cloth_error *err)
+{
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_predict_args a = {.x_t0 = p->x_t0, .v = p->v, .h = (cloth_real)h};
+    a.x_pred = p->x_pred, a.x = p->x;
+    for (int k = 0; k < 3; k++) a.gravity[k] = (cloth_real)sim->params.gravity[k];
+    CLOTH_LAUNCH(sim, p, predict, sim->vertex_count, &a, err);
+  }
+  return cloth_box_update(sim, err);
+}
+
+// is the body's ball within that?
 static bool may_touch(const cloth_sim *sim, const cloth_body *b, double travel)
 {
-  double c[3], reach = b->radius + travel + 2 * sim->speed_last * sim->params.time_step + 0.02;
+  double c[3], reach = b->radius + travel + 0.02;
   const cloth_box *box = &sim->cloth_box;
   cloth_pose_point(&b->now, b->center, c);
   double lo[3] = {(double)box->lo.x, (double)box->lo.y, (double)box->lo.z};
@@ -147,24 +162,30 @@ static bool may_touch(const cloth_sim *sim, const cloth_body *b, double travel)
   return true;
 }
 
-static int count_substeps(const cloth_sim *sim)
+static cloth_status count_substeps(cloth_sim *sim, double h, int *out, cloth_error *err)
 {
-  double most = 0;
-  for (int b = 0; b < sim->def->body_count && sim->active[CLOTH_EFFECT_body_contact]; b++) {
+  double most = 0, fastest = 0;
+  bool body = sim->active[CLOTH_EFFECT_body_contact];
+  *out = sim->params.substeps;
+  for (int b = 0; b < sim->def->body_count && body; b++)
+    fastest = fmax(fastest, body_travel(&sim->body[b]));
+  if (fastest <= sim->params.body_motion_max * *out) return CLOTH_OK;
+  CLOTH_TRY(find_reach(sim, h, err));
+  for (int b = 0; b < sim->def->body_count; b++) {
     double travel = body_travel(&sim->body[b]);
     if (travel > most && may_touch(sim, &sim->body[b], travel)) most = travel;
   }
-  int n = sim->params.substeps;
   double cut = ceil(most / sim->params.body_motion_max);
-  if (cut > n) n = cut < sim->params.substeps_max ? (int)cut : sim->params.substeps_max;
-  return n;
+  if (cut > *out) *out = cut < sim->params.substeps_max ? (int)cut : sim->params.substeps_max;
+  return CLOTH_OK;
 }
 
 // the whole step in substeps; a failed one is repeated at half its length
 static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
-  int halvings = 0;
-  double done = 0, share = 1.0 / count_substeps(sim);
+  int halvings = 0, parts;
+  CLOTH_TRY(count_substeps(sim, h, &parts, err));
+  double done = 0, share = 1.0 / parts;
   while (done < 1) {
     double to = done + share < 1 - 1e-9 ? done + share : 1;
     sim->h = (to - done) * h;

@@ -1,0 +1,77 @@
+// What the engine asks of a machine: memory, copies, launches, ordering, and the few operations whose
+// shape depends on the machine (sort, scan). Everything the engine does on n devices is written
+// against this table, so that two "devices" can be two GPUs, or two arrays on one CPU in a unit test.
+#pragma once
+
+#include "status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// One enumerator per line of kernels.inl.
+typedef enum cloth_kernel {
+#define CLOTH_KERNEL(name) CLOTH_KERNEL_##name,
+#include "kernels.inl"
+#undef CLOTH_KERNEL
+  CLOTH_KERNEL_COUNT
+} cloth_kernel;
+
+/// A device runs two in-order queues; work on different queues is ordered by events only.
+typedef enum cloth_queue { CLOTH_COMPUTE, CLOTH_COPY, CLOTH_QUEUE_COUNT } cloth_queue;
+
+typedef struct cloth_device cloth_device; // private to the backend
+typedef struct cloth_event cloth_event;   // private to the backend
+
+typedef struct cloth_backend {
+  const char *name; // "cpu", "shuffle"
+
+  int (*device_count)(void);
+  cloth_status (*open)(int index, int threads, cloth_device **out, cloth_error *err);
+  void (*close)(cloth_device *device); // NULL is allowed
+
+  // Memory lives until release(). write() and read() block until COMPUTE is empty; copy() is queued
+  // on from's COPY; fill() sets bytes, queued on COMPUTE.
+  cloth_status (*alloc)(cloth_device *device, size_t bytes, void **out, cloth_error *err);
+  void (*release)(cloth_device *device, void *memory);
+  cloth_status (*write)(cloth_device *device, void *dst, const void *host, size_t bytes, cloth_error *err);
+  cloth_status (*read)(cloth_device *device, void *host, const void *src, size_t bytes, cloth_error *err);
+  cloth_status (*copy)(cloth_device *from, cloth_device *to, void *dst, const void *src, size_t bytes,
+                       cloth_error *err);
+  cloth_status (*fill)(cloth_device *device, void *dst, int byte, size_t bytes, cloth_error *err);
+
+  // Run kernel `k` for i in [0, n) on COMPUTE. args is copied before the call returns.
+  cloth_status (*launch)(cloth_device *device, cloth_kernel k, int n, const void *args, cloth_error *err);
+
+  // Stable sort of n pairs by the low `bits` of the key, on COMPUTE; `value` may be NULL. The spare
+  // arrays are as long as the others; the result is in key and value.
+  cloth_status (*sort)(cloth_device *device, int n, int bits, uint64_t *key, uint32_t *value,
+                       uint64_t *key_spare, uint32_t *value_spare, cloth_error *err);
+
+  // Exclusive prefix sum in place, on COMPUTE: array has n + 1 entries and the last becomes the total.
+  cloth_status (*scan)(cloth_device *device, int n, uint32_t *array, cloth_error *err);
+
+  // wait() orders a queue after the record() most recently issued on the event, if any.
+  cloth_status (*event_new)(cloth_device *device, cloth_event **out, cloth_error *err);
+  void (*event_free)(cloth_event *event); // NULL is allowed
+  cloth_status (*record)(cloth_device *device, cloth_queue queue, cloth_event *event, cloth_error *err);
+  cloth_status (*wait)(cloth_device *device, cloth_queue queue, const cloth_event *event, cloth_error *err);
+
+  // Block until both queues are empty.
+  cloth_status (*finish)(cloth_device *device, cloth_error *err);
+} cloth_backend;
+
+/// The plain CPU: every call runs at once, element loops in parallel with OpenMP.
+const cloth_backend *cloth_backend_cpu(void);
+
+/// The CPU again, but each finish() runs queued work in a random order that the events allow.
+/// A missing wait() is a wrong answer here, on a laptop, instead of a rare one on eight GPUs.
+/// Not thread-safe: one scene at a time.
+const cloth_backend *cloth_backend_shuffle(unsigned seed);
+
+#ifdef __cplusplus
+}
+#endif

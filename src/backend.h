@@ -14,7 +14,7 @@ extern "C" {
 
 /// One enumerator per line of kernels.inl.
 typedef enum cloth_kernel {
-#define CLOTH_KERNEL(name) CLOTH_KERNEL_##name,
+#define CLOTH_KERNEL(name, serial) CLOTH_KERNEL_##name,
 #include "kernels.inl"
 #undef CLOTH_KERNEL
   CLOTH_KERNEL_COUNT

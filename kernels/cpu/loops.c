@@ -2,14 +2,14 @@
 
 // share() is a plain loop over a range, so that the compiler may vectorise and clone it; the
 // parallel loop around it deals out equal ranges.
-#define CLOTH_KERNEL(name)                                                                         \
+#define CLOTH_KERNEL(name, serial)                                                                 \
   CLOTH_CLONES static void share_##name(int begin, int end, const cloth_##name##_args *a)          \
   {                                                                                                \
     for (int i = begin; i < end; i++) cloth_##name(i, a);                                          \
   }                                                                                                \
   static void loop_##name(int n, int threads, const void *args)                                    \
   {                                                                                                \
-    if (n < CLOTH_LOOP_SERIAL_BELOW || threads == 1) {                                             \
+    if (n < serial || threads == 1) {                                                              \
       share_##name(0, n, args);                                                                    \
       return;                                                                                      \
     }                                                                                              \
@@ -22,7 +22,7 @@
 #undef CLOTH_KERNEL
 
 const cloth_loop_entry cloth_loops[] = {
-#define CLOTH_KERNEL(name) {loop_##name, sizeof(cloth_##name##_args)},
+#define CLOTH_KERNEL(name, serial) {loop_##name, sizeof(cloth_##name##_args)},
 #include "kernels.inl"
 #undef CLOTH_KERNEL
 };

@@ -7,10 +7,6 @@
 
 typedef void cloth_loop(int n, int threads, const void *args);
 
-// A loop this short is done by the caller: waking a thread costs more. Which thread runs an element
-// never changes its result.
-enum { CLOTH_LOOP_SERIAL_BELOW = 16 };
-
 // Clones for processors with AVX2 are chosen when the program starts. Without contraction to fused
 // multiply-add (-ffp-contract=off) they give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&                             \

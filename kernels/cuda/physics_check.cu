@@ -5,7 +5,7 @@
 #include "all.h"
 
 // CUDA passes at most 4 KiB of arguments to a kernel on every architecture
-#define CLOTH_KERNEL(name)                                                                         \
+#define CLOTH_KERNEL(name, serial)                                                                         \
   static_assert(sizeof(cloth_##name##_args) + sizeof(int) <= 4096, #name);                         \
   static __global__ void cloth_##name##_kernel(int n, const cloth_##name##_args args)              \
   {                                                                                                \
@@ -25,7 +25,7 @@ extern "C" {
 extern const void *const CLOTH_CUDA_KERNELS[];
 /// The wrappers, in the order of kernels.inl.
 const void *const CLOTH_CUDA_KERNELS[] = {
-#define CLOTH_KERNEL(name) (const void *)cloth_##name##_kernel,
+#define CLOTH_KERNEL(name, serial) (const void *)cloth_##name##_kernel,
 #include "kernels.inl"
 #undef CLOTH_KERNEL
 };

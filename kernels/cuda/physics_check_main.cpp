@@ -7,7 +7,7 @@ extern "C" const void *const cloth_cuda_kernels_f32[];
 extern "C" const void *const cloth_cuda_kernels_f64[];
 
 static const char *const name[] = {
-#define CLOTH_KERNEL(name) #name,
+#define CLOTH_KERNEL(name, serial) #name,
 #include "kernels.inl"
 #undef CLOTH_KERNEL
 };

@@ -1,5 +1,5 @@
 // Row i of the linear system A dx = b of one Newton iteration of backward Euler,
-//   A = M / h^2 + K,   b = -M / h^2 (x - x*) + f(x),
+//   A = M / h^2 + K,   b = -M / h^2 (x - x*) + f(x),   M with 1 + h drag where mass is damped,
 // gathered from the slots that the element kernels wrote. Each row adds in one fixed order; nothing
 // is scattered. Also the inverse of the diagonal block, contacts included, for the preconditioner.
 #pragma once
@@ -17,6 +17,7 @@ typedef struct cloth_assemble_row_args {
   int first;                        // vertex of row 0
   cloth_real inverse_step;          // 1/s
   const cloth_real *mass;           // [vertices] kg
+  const cloth_real *mass_drag;      // [vertices] 1/s, as in predict.h; NULL: none
   const cloth_real *x, *x_pred;     // [vertices x 3] m
   const cloth_real *hold_stiffness; // [vertices] N/m, compliant holds; NULL: none
   const cloth_real *target;         // [vertices x 3] m, of holds
@@ -95,6 +96,7 @@ CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
 
   // inertia and compliant holds
   cloth_real m = a->mass[v] * a->inverse_step * a->inverse_step;
+  if (a->mass_drag) m *= 1 + a->mass_drag[v] / a->inverse_step; // x* is the rest of M (1 + h drag)
   cloth_v3 x = cloth_v3_load(a->x, v);
   cloth_v3 f = cloth_v3_scale(m, cloth_v3_sub(cloth_v3_load(a->x_pred, v), x));
   if (a->hold_stiffness && a->hold_stiffness[v] > 0) {

@@ -17,6 +17,7 @@ cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err)
         .first = p->v0,
         .inverse_step = (cloth_real)(1 / sim->h),
         .mass = p->mass,
+        .mass_drag = sim->active[CLOTH_EFFECT_damping] ? p->mass_drag : NULL,
         .x = p->x,
         .x_pred = p->x_pred,
         .hold_stiffness = sim->compliant_count > 0 ? p->hold_stiffness : NULL,

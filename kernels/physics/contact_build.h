@@ -1,9 +1,7 @@
 // Contact i as a plane for this substep: normal and weights from the start of the substep, when
 // nothing had passed through, so the side is known; the distance along it changes with the solve.
 //
-// Stiffness: from mass and step, so that conditioning does not depend on either. Closer contacts
-// are stiffer by (thickness / distance)^2, a barrier by lagged secants that carries any load before
-// the distance is used up (in the spirit of Li et al. 2020, Incremental potential contact).
+// Stiffness: from mass and step, so that conditioning does not depend on either.
 #pragma once
 
 #include "contact_geometry.h"
@@ -42,11 +40,7 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
   cloth_real t = cloth_contact_thickness(s, &g);
   a->thickness[i] = t;
 
-  cloth_real k =
-      inverse_mass > 0 ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
-  cloth_real least = t * (cloth_real)0.05;
-  cloth_real close = g.distance > least ? g.distance : least;
-  a->k[i] = close < t ? k * (t / close) * (t / close) : k;
+  a->k[i] = inverse_mass > 0 ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
   int body = cloth_contact_body(s, &g);
   a->mu[i] = body >= 0 ? s->body_friction[body] : s->friction;
 }

@@ -113,10 +113,11 @@ Outputs::Wanted Outputs::wanted()
   return w;
 }
 
-void Outputs::post(std::unique_ptr<Snapshot> snapshot)
+void Outputs::post(std::unique_ptr<Snapshot> snapshot, bool wait)
 {
   {
-    std::lock_guard<std::mutex> lock(mutex_);
+    std::unique_lock<std::mutex> lock(mutex_);
+    if (wait) room_.wait(lock, [this] { return queue_.size() < queue_max; });
     if (queue_.size() == queue_max) {
       // a changed list of grasps is never lost: the next snapshot tells it too
       if (queue_.front()->grasps_changed) queue_[1]->grasps_changed = true;
@@ -138,6 +139,7 @@ void Outputs::run()
     if (queue_.empty()) return; // stopped, and everything is out
     const std::unique_ptr<Snapshot> next = std::move(queue_.front());
     queue_.pop_front();
+    room_.notify_one();
     lock.unlock();
     publish(*next);
     lock.lock();

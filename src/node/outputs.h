@@ -33,9 +33,9 @@ public:
   };
   Wanted wanted();
 
-  /// Hand over; never blocks. When the publisher is behind, the oldest snapshot goes and is
-  /// counted.
-  void post(std::unique_ptr<Snapshot> snapshot);
+  /// Hand over. When the publisher is behind: wait (lockstep, where a test counts on every message),
+  /// or let the oldest snapshot go and count it.
+  void post(std::unique_ptr<Snapshot> snapshot, bool wait);
 
   /// Publish an event now. From any thread.
   void event(const Event &event);
@@ -65,7 +65,7 @@ private:
   size_t marked_cloths_ = 0;
 
   std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable wake_, room_;
   std::deque<std::unique_ptr<Snapshot>> queue_;
   bool stop_ = false;
   std::atomic<uint64_t> dropped_{0}, not_finite_{0};

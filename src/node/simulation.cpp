@@ -229,7 +229,7 @@ void Simulation::publish(bool stepped)
   if (obstacle_moved_) outputs_->publishBodies(*world_);
   if (stepped) obstacle_moved_ = false; // a body that was told to move is there after a step
   touched_ = false;
-  outputs_->post(std::move(s));
+  outputs_->post(std::move(s), clock_.lockstep());
 }
 
 void Simulation::readCloths(const Outputs::Wanted &wanted, Snapshot *s)

@@ -18,15 +18,18 @@ Segment = namedtuple('Segment', 'name start end arc duration')
 # What a towel needs of the fold. All lengths in metres, speeds in m/s, times in s.
 FoldTask = namedtuple('FoldTask', 'edge_x far_x side_y table_z')
 FOLD = dict(
-    inset=0.0145,         # tool to the edges of the towel, along x and y
+    inset_x=0.0145,       # tool to the edge of the towel that is lifted
+    inset_y=0.017,        # tool to the edge at its side, before the corner droops
     open_half_gap=0.040,  # before the grasp
     held_half_gap=0.004,  # 8 mm between the pads: more than two layers' thickness, cloth is not squeezed
     laid_half_gap=0.014,  # to let go: little, for the lower finger is between two layers
     grasp_height=-0.008,  # of the tool over the table top; the overhanging corner droops
     laid_height=0.028,    # of the tool over the table top when letting go
     laid_short=0.008,     # how much earlier than the far edge the edge comes down; the fold takes some
-    arc_height=0.235,     # of the swing over the line from grasp to lay down
-    slack=0.003,          # grippers come closer to each other by this much after the grasp, each
+    arc_height=0.200,     # of the swing over the line from grasp to lay down: less than half the towel
+    arc_shape=1.4,        # of the swing: 1 is half an ellipse, 2 a parabola
+    arc_hang=0.5,         # how long the gripper stays turned by about pi / 2, where the cloth hangs; 0 to 1
+    slack=0.005,          # grippers come closer to each other by this much after the grasp, each
     home_y=0.40, home_height=0.16,
     retract_y=0.36,
     speed_free=0.35, speed_reach=0.15, speed_fingers=0.05, speed_lift=0.30, speed_swing=0.60,
@@ -69,12 +72,12 @@ class FoldPath:
 
     def segments(self):
         n, task = self.numbers, self.task
-        y = task.side_y - n['inset']
-        grasp = Grip(task.edge_x + n['inset'], y, task.table_z + n['grasp_height'], 0.0, n['open_half_gap'])
+        y = task.side_y - n['inset_y']
+        grasp = Grip(task.edge_x + n['inset_x'], y, task.table_z + n['grasp_height'], 0.0, n['open_half_gap'])
         home = grasp._replace(y=n['home_y'], z=task.table_z + n['home_height'])
         held = grasp._replace(half_gap=n['held_half_gap'])
         taut = held._replace(y=y - n['slack'])
-        laid = taut._replace(x=task.far_x - n['inset'] - n['laid_short'], z=task.table_z + n['laid_height'],
+        laid = taut._replace(x=task.far_x - n['inset_x'] - n['laid_short'], z=task.table_z + n['laid_height'],
                              roll=math.pi)
         opened = laid._replace(half_gap=n['laid_half_gap'])
         out = opened._replace(y=n['retract_y'])
@@ -82,28 +85,27 @@ class FoldPath:
 
         parts, here = [], home
 
-        def go(name, to, speed, arc=0.0, share=(0.0, 1.0)):
-            """A straight segment, or with `arc` a share of the half ellipse of that height."""
+        def go(name, to, speed, arc=None):
+            """A straight segment, or with `arc` = (from, to) that share of the swing."""
             nonlocal here
-            length = self.length(here, to, arc, share)
-            parts.append(Segment(name, here, to, (arc,) + share, max(PEAK * length / speed, n['shortest'])))
+            length = self.length(Segment(name, here, to, arc, 1.0))
+            parts.append(Segment(name, here, to, arc, max(PEAK * length / speed, n['shortest'])))
             here = to
 
         def wait(name):
-            parts.append(Segment(name, here, here, (0.0, 0.0, 1.0), n['settle']))
+            parts.append(Segment(name, here, here, None, n['settle']))
 
         go('approach', grasp._replace(y=n['home_y']), n['speed_free'])
         go('reach', grasp, n['speed_reach'])
         go('close', held, n['speed_fingers'])
         wait('hold')
         go('gather', taut, n['speed_lay'])
-        arc = n['arc_height']
-        lift_end, swing_end = 0.30, 0.86
         self.arc_ends = (taut, laid)
+        lift_end, swing_end = 0.30, 0.86
         for name, speed, share in (('lift', n['speed_lift'], (0.0, lift_end)),
                                    ('swing', n['speed_swing'], (lift_end, swing_end)),
                                    ('lay', n['speed_lay'], (swing_end, 1.0))):
-            go(name, self.on_arc(taut, laid, arc, share[1]), speed, arc, share)
+            go(name, self.on_arc(taut, laid, share[1]), speed, share)
         wait('rest')
         go('open', opened, n['speed_fingers'] / 2)
         wait('drop')
@@ -112,25 +114,31 @@ class FoldPath:
         go('return', home, n['speed_free'])
         return parts
 
-    @staticmethod
-    def on_arc(start, end, height, share):
-        """A point of the half ellipse from start to end, `height` above their line; turns with the arc."""
-        straight = between(start, end, share)
-        return straight._replace(x=start.x + (end.x - start.x) * (1 - math.cos(math.pi * share)) / 2,
-                                 z=straight.z + height * math.sin(math.pi * share))
+    def on_arc(self, start, end, share):
+        """A point of the swing, from start (share 0) to end (share 1).
 
-    def length(self, start, end, arc, share, pieces=64):
-        """The longer one of the ways of tool and finger in a segment, m."""
-        points = [self.along(Segment('', start, end, (arc,) + share, 1.0), i / pieces) for i in range(pieces + 1)]
+        It begins and ends upright, so that nothing is pushed along the table; in between it stays well inside
+        the half circle on which the cloth would be taut, for cloth hangs from the gripper almost straight down.
+        """
+        n = self.numbers
+        straight = between(start, end, share)
+        turned = share + n['arc_hang'] * math.sin(2 * math.pi * share) / (2 * math.pi)
+        return straight._replace(x=start.x + (end.x - start.x) * (1 - math.cos(math.pi * share)) / 2,
+                                 z=straight.z + n['arc_height'] * max(0.0, math.sin(math.pi * share)) ** n['arc_shape'],
+                                 roll=start.roll + (end.roll - start.roll) * turned)
+
+    def length(self, part, pieces=64):
+        """The longest of the ways of tool, fingers and edge of the palm in a segment, m."""
+        points = [self.along(part, i / pieces) for i in range(pieces + 1)]
         way = sum(math.dist(a[:3], b[:3]) for a, b in zip(points, points[1:]))
-        turn = abs(end.roll - start.roll) * 0.06 / 2 if arc == 0 else 0.0  # the edge of the palm turns
-        return max(way, turn, abs(end.half_gap - start.half_gap))
+        turn = 0.0 if part.arc else abs(part.end.roll - part.start.roll) * 0.03
+        return max(way, turn, abs(part.end.half_gap - part.start.half_gap))
 
     def along(self, part, s):
-        arc, low, high = part.arc
-        if arc == 0:
+        if part.arc is None:
             return between(part.start, part.end, s)
-        return self.on_arc(self.arc_ends[0], self.arc_ends[1], arc, low + (high - low) * s)
+        low, high = part.arc
+        return self.on_arc(*self.arc_ends, low + (high - low) * s)
 
     def segment_at(self, t):
         """The segment at time t, and the time since its start."""

@@ -27,6 +27,7 @@ import rospy  # noqa: E402
 import yaml  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_msgs.msg import String  # noqa: E402
+from robot_cloth.msg import Topology  # noqa: E402
 from robot_cloth.srv import GetState, Step  # noqa: E402
 
 
@@ -34,16 +35,13 @@ class Meshes:
     """Writes what the simulation shows at a step, from the URDF and the joint states of that step."""
 
     def __init__(self, folder, scene, robot, urdf, base, node):
-        os.makedirs(folder, exist_ok=True)
-        self.folder, self.robot, self.base = folder, robot, base
-        self.boxes = shapes.scene_boxes(scene)
-        self.links = shapes.collision_shapes(urdf, rospkg.RosPack().get_path('robot_cloth'))
-        self.state = rospy.ServiceProxy(node + '/get_state', GetState)
+        self.robot, self.base = robot, base
         self.cloth = scene['cloths'][0]['name']
-        self.triangles = None
-
-    def topology(self, node):
-        from robot_cloth.msg import Topology
+        self.boxes = shapes.scene_boxes(scene)
+        links = shapes.collision_shapes(urdf, rospkg.RosPack().get_path('robot_cloth'))
+        self.parts = {'%s-%d' % (link, i): (link, part) for link, parts in links.items() for i, part in enumerate(parts)}
+        self.folder = shapes.Folder(folder, [self.cloth], list(self.boxes) + list(self.parts))
+        self.state = rospy.ServiceProxy(node + '/get_state', GetState, persistent=True)
         numbers = rospy.wait_for_message('%s/%s/topology' % (node, self.cloth), Topology, 30).triangles
         self.triangles = [numbers[i:i + 3] for i in range(0, len(numbers), 3)]
 
@@ -52,14 +50,12 @@ class Meshes:
         if not answer.success:
             raise RuntimeError(answer.message)
         x = answer.positions
-        shapes.write_obj(self.folder, 'cloth', self.cloth, step, [x[i:i + 3] for i in range(0, len(x), 3)], self.triangles)
+        self.folder.write(self.cloth, step, [x[i:i + 3] for i in range(0, len(x), 3)], self.triangles)
         for name, (points, faces) in self.boxes.items():
-            shapes.write_obj(self.folder, 'body', name, step, points, faces)
-        for link, parts in self.links.items():
-            place = arm.product(self.base, self.robot.link_pose(link, joints))
-            for i, part in enumerate(parts):
-                points, faces = shapes.moved(part, place)
-                shapes.write_obj(self.folder, 'body', '%s-%d' % (link, i), step, points, faces)
+            self.folder.write(name, step, points, faces)
+        for name, (link, part) in self.parts.items():
+            points, faces = shapes.moved(part, arm.product(self.base, self.robot.link_pose(link, joints)))
+            self.folder.write(name, step, points, faces)
 
 
 class FoldSteps(fold_motion.FoldMotion):
@@ -75,6 +71,7 @@ class FoldSteps(fold_motion.FoldMotion):
         self.every = max(1, int(rospy.get_param('~meshes_every', 1)))
         self.meshes = None
         if rospy.get_param('~meshes', ''):
+            rospy.wait_for_service(self.node + '/step', 60)
             urdf = rospy.get_param(rospy.search_param('robot_description'))
             self.meshes = Meshes(rospy.get_param('~meshes'), scene, self.path.arms[0][0].robot, urdf, self.base, self.node)
 
@@ -101,8 +98,6 @@ class FoldSteps(fold_motion.FoldMotion):
         self.done.publish(False)
         rospy.wait_for_service(self.node + '/step', 60)
         step = rospy.ServiceProxy(self.node + '/step', Step, persistent=True)
-        if self.meshes:
-            self.meshes.topology(self.node)
         end = self.settle + self.path.duration / self.speed + float(rospy.get_param('~tail', 1.0))
         count = int(end / self.time_step)
         answer = None

@@ -97,10 +97,20 @@ def scene_boxes(scene):
     return out
 
 
-def write_obj(folder, kind, name, step, points, triangles):
-    """kind: cloth or body. The file is NAME_STEP.obj, as the cloth command writes it."""
-    lines = ['# %s %s step %d' % (kind, name, step)]
-    lines += ['v %.9g %.9g %.9g' % tuple(p) for p in points]
-    lines += ['f %d %d %d' % (a + 1, b + 1, c + 1) for a, b, c in triangles]
-    with open(os.path.join(folder, '%s_%06d.obj' % (name, step)), 'w') as out:
-        out.write('\n'.join(lines) + '\n')
+class Folder:
+    """A folder of meshes as `cloth run --mesh-every` writes it: NAME_STEP.obj, and what each NAME is in meshes.csv."""
+
+    def __init__(self, path, cloths, bodies):
+        os.makedirs(path, exist_ok=True)
+        self.path = path
+        with open(os.path.join(path, 'meshes.csv'), 'w') as out:
+            out.write('kind,file,name\n')
+            out.writelines('%s,%s,%s\n' % (kind, name, name) for kind, names in (('cloth', cloths), ('body', bodies))
+                           for name in names)
+
+    def write(self, name, step, points, triangles):
+        lines = ['# %s step %d' % (name, step)]
+        lines += ['v %.9g %.9g %.9g' % tuple(p) for p in points]
+        lines += ['f %d %d %d' % (a + 1, b + 1, c + 1) for a, b, c in triangles]
+        with open(os.path.join(self.path, '%s_%06d.obj' % (name, step)), 'w') as out:
+            out.write('\n'.join(lines) + '\n')

@@ -27,8 +27,8 @@ find_program(ROSTEST NAMES rostest)
 if(CLOTH_ROS_FOUND AND ROSTEST)
   foreach(name frames fold)
     add_test(NAME demo_${name}
-             COMMAND ${CLOTH_DEMO_TESTS}/../../src/demo/with_ros.sh ${CMAKE_BINARY_DIR}
-                     ${CLOTH_TEST_PYTHON} ${ROSTEST} ${CLOTH_DEMO_TESTS}/${name}.test)
+             COMMAND ${CLOTH_DEMO_TESTS}/../node/run_rostest.sh ${CMAKE_BINARY_DIR} ${CLOTH_TEST_PYTHON}
+                     ${ROSTEST} ${CLOTH_DEMO_TESTS}/${name}.test)
     set_tests_properties(demo_${name} PROPERTIES RUN_SERIAL TRUE TIMEOUT 900
                          ENVIRONMENT "CLOTH_CHECK_MESHES=$<$<TARGET_EXISTS:check_meshes>:$<TARGET_FILE:check_meshes>>")
   endforeach()

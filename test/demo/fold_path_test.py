@@ -131,7 +131,7 @@ class FoldPathTest(unittest.TestCase):
             grip = self.path.grip(t)
             self.assertGreaterEqual(2 * grip.half_gap, 2 * thickness, 'at %g s' % t)
             if self.path.moment('hold', 0) <= t <= self.path.moment('open', 0):
-                self.assertLessEqual(2 * grip.y, width - 2 * self.path.numbers['inset'] + 1e-9)
+                self.assertLessEqual(2 * grip.y, width - 2 * self.path.numbers['inset_y'] + 1e-9)
 
     def test_nothing_of_the_robot_comes_near_table_or_itself(self):
         with open(URDF) as file:
@@ -156,7 +156,7 @@ class FoldPathTest(unittest.TestCase):
             for name, (low, high) in bounds.items():
                 for box, box_low, box_high in boxes:
                     gap = max(max(bl - h, l - bh) for l, h, bl, bh in zip(low, high, box_low, box_high))
-                    self.assertGreater(gap, 0.01, '%s is near %s at %g s' % (name, box, t))
+                    self.assertGreater(gap, 0.008, '%s is near %s at %g s' % (name, box, t))
                 self.assertGreater(low[2], 0.05, '%s is near the base at %g s' % (name, t))
                 if name.startswith('left'):
                     self.assertGreater(low[1], 0.1, '%s is near the right arm at %g s' % (name, t))

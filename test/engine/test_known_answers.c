@@ -26,9 +26,9 @@ static int fall(const char *precision)
   for (int n = 1; n <= STEPS; n++) {
     scene_step(scene, 1);
     scene_positions(scene, 0, x);
-    // backward Euler: v_n = -g h n, so x_n = -g h^2 n (n + 1) / 2. Each step rounds numbers of up
-    // to 10 (m, m/s) twice.
-    double z = 5 - G * h * h * n * (n + 1) / 2, tolerance = 20 * n * epsilon_of(precision);
+    // backward Euler: v_n = -g h n, so x_n = -g h^2 n (n + 1) / 2. A rounding of x (5 m, half an
+    // epsilon of it) stays in v = (x - x0) / h, and is added to x again in every later step.
+    double z = 5 - G * h * h * n * (n + 1) / 2, tolerance = 5 * n * (n + 1) * epsilon_of(precision);
     for (int i = 0; i < 81; i++) {
       CHECK_NEAR(x[3 * i + 2], z, tolerance);
       CHECK_NEAR(x[3 * i], cloth.x[3 * i], tolerance);
@@ -143,9 +143,10 @@ BOTH(hanging_strip_extends_by_rho_g_L_squared_over_2_E, strip)
 
 // ---- slope --------------------------------------------------------------------------------------
 
-// speed down the slope after a time [s], and how far it went meanwhile
-static void slide(const char *precision, double slope, double mu, int steps, double *speed,
-                  double *way)
+// Speed down the slope after some steps, and how far it went meanwhile. The top of the slope is two
+// triangles; `across` 0 starts on their common edge, -0.35 m keeps clear of it.
+static void slide(const char *precision, double slope, double mu, double across, int steps,
+                  double *speed, double *way)
 {
   sheet_make(&cloth, 0.12, 0.12, 7, 7);
   solid_box(&body, 4, 1, 0.1);
@@ -154,7 +155,8 @@ static void slide(const char *precision, double slope, double mu, int steps, dou
   def_body(def, "slope", &body, mu, pose_turned(0, 0, 0, 1, slope));
   // 2.9 mm above the top face: within the contact thickness of 3 mm
   double up = 0.05 + 0.0029;
-  def_cloth(def, "patch", &cloth, m, pose_turned(up * sin(slope), 0, up * cos(slope), 1, slope));
+  def_cloth(def, "patch", &cloth, m,
+            pose_turned(up * sin(slope), across, up * cos(slope), 1, slope));
   cloth_scene *scene = scene_new(def);
   scene_step(scene, steps);
   scene_velocities(scene, 0, v);
@@ -171,7 +173,7 @@ static int slope_holds(const char *precision)
 {
   const double slope = 20 * acos(-1) / 180;
   double speed, way;
-  slide(precision, slope, 1.3 * tan(slope), 60, &speed, &way);
+  slide(precision, slope, 1.3 * tan(slope), 0, 60, &speed, &way);
   // static friction is smoothed below friction_slip_speed = 1 mm/s: what is left is creep below it
   CHECK(speed < 1e-3);
   CHECK(way < 60.0 / 60 * 1e-3 + 1e-3); // and the first steps, in which contact builds up
@@ -179,17 +181,29 @@ static int slope_holds(const char *precision)
 }
 BOTH(cloth_stays_on_a_slope_when_mu_exceeds_its_tangent, slope_holds)
 
-static int slope_slides(const char *precision)
+static int slides(const char *precision, double mu, double across)
 {
-  const double slope = 20 * acos(-1) / 180, mu = 0.5 * tan(slope);
+  const double slope = 20 * acos(-1) / 180;
   double early, late, way;
-  slide(precision, slope, mu, 12, &early, &way);
-  slide(precision, slope, mu, 42, &late, &way);
+  slide(precision, slope, mu * tan(slope), across, 12, &early, &way);
+  slide(precision, slope, mu * tan(slope), across, 42, &late, &way);
   double a = (late - early) / 0.5;
-  CHECK_NEAR(a / (G * (sin(slope) - mu * cos(slope))), 1, 0.03);
+  // friction lags by one iteration of two
+  CHECK_NEAR(a / (G * sin(slope) * (1 - mu)), 1, 0.03);
   return 0;
 }
+
+static int slope_slides(const char *precision)
+{
+  return slides(precision, 0.5, -0.35) || slides(precision, 0, -0.35);
+}
 BOTH(cloth_slides_down_a_slope_with_g_sin_minus_mu_cos, slope_slides)
+
+static int seam(const char *precision)
+{
+  return slides(precision, 0.5, 0) || slides(precision, 0, 0);
+}
+BOTH(cloth_does_not_feel_the_seam_between_two_triangles_of_a_plane, seam)
 
 // ---- momentum -----------------------------------------------------------------------------------
 
@@ -231,9 +245,10 @@ static int free_flight(const char *precision)
   momentum(scene, 1, before);
   scene_step(scene, 60);
   momentum(scene, 1, after);
-  // forces of an element add up to rounding; what is left is the residual of 60 solves of systems
-  // whose right-hand side is of the order of m v / h^2 h
-  double tolerance = precision[0] == 'f' ? 1e-4 : 1e-10, scale = 0.027 * 0.6;
+  // forces of an element add up to rounding; what is left are the residuals of 60 steps, in which
+  // inner forces of the order of 100 N (2 m/s from vertex to vertex) cancel to pcg_tolerance, or to
+  // the rounding of float
+  double tolerance = precision[0] == 'f' ? 2e-2 : 1e-6, scale = 0.027 * 0.6;
   for (int k = 0; k < 3; k++) CHECK_NEAR(after[k] / scale, before[k] / scale, tolerance);
   cloth_scene_free(scene);
   return 0;
@@ -378,6 +393,7 @@ int main(int argc, char **argv)
   RUN(hanging_strip_extends_by_rho_g_L_squared_over_2_E);
   RUN(cloth_stays_on_a_slope_when_mu_exceeds_its_tangent);
   RUN(cloth_slides_down_a_slope_with_g_sin_minus_mu_cos);
+  RUN(cloth_does_not_feel_the_seam_between_two_triangles_of_a_plane);
   RUN(momentum_is_conserved_in_free_flight);
   RUN(momentum_is_conserved_when_cloth_meets_cloth);
   RUN(energy_never_grows_without_input);

@@ -20,8 +20,10 @@ int main(int argc, char **argv)
     std::fflush(stdout);
     return node.failed() ? 1 : 0;
   } catch (const robot_cloth::StartError &e) {
-    if (ros::ok()) ROS_FATAL_STREAM(e.what());
-    else std::fprintf(stderr, "cloth: %s\n", e.what()); // interrupted: the console is closed already
+    if (ros::ok())
+      ROS_FATAL_STREAM(e.what());
+    else
+      std::fprintf(stderr, "cloth: %s\n", e.what()); // interrupted: the console is closed already
     return 2;
   } catch (const std::exception &e) {
     ROS_FATAL_STREAM("cannot start: " << e.what());

@@ -33,8 +33,8 @@ public:
   };
   Wanted wanted();
 
-  /// Hand over. When the publisher is behind: wait (lockstep, where a test counts on every message),
-  /// or let the oldest snapshot go and count it.
+  /// Hand over. When the publisher is behind: wait (lockstep, where a test counts on every
+  /// message), or let the oldest snapshot go and count it.
   void post(std::unique_ptr<Snapshot> snapshot, bool wait);
 
   /// Publish an event now. From any thread.

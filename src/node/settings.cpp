@@ -351,7 +351,8 @@ std::vector<string> applyParams(const Settings &settings, const string &ns, clot
     line << i->name << " = ";
     size_t size = sizeof(double);
     const char *unit = i->unit;
-    if (i->kind == cloth_param_info::CLOTH_IS_DOUBLE) line << *reinterpret_cast<const double *>(a);
+    if (i->kind == cloth_param_info::CLOTH_IS_DOUBLE)
+      line << *reinterpret_cast<const double *>(a);
     else if (i->kind == cloth_param_info::CLOTH_IS_VECTOR) {
       const double *v = reinterpret_cast<const double *>(a);
       line << v[0] << " " << v[1] << " " << v[2];
@@ -359,7 +360,8 @@ std::vector<string> applyParams(const Settings &settings, const string &ns, clot
     } else {
       const int value = *reinterpret_cast<const int *>(a);
       size = sizeof(int);
-      if (i->kind == cloth_param_info::CLOTH_IS_INT) line << value;
+      if (i->kind == cloth_param_info::CLOTH_IS_INT)
+        line << value;
       else {
         std::istringstream choices(i->choices);
         string choice;

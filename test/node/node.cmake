@@ -11,7 +11,7 @@ find_program(ROSTEST NAMES rostest)
 if(NOT ROSTEST)
   return()
 endif()
-foreach(name towel lockstep time start nodelet)
+foreach(name towel lockstep time inputs start nodelet)
   # --text: rostest would hide the names of the single tests; its exit code is then no good, the text is
   add_test(NAME node_${name} COMMAND ${CLOTH_NODE_TESTS}/run_rostest.sh ${CMAKE_BINARY_DIR} ${PYTHON_EXECUTABLE}
            ${ROSTEST} ${CLOTH_NODE_TESTS}/${name}.test)

@@ -2,6 +2,7 @@
 // which it runs, with the file that holds it (the list is stages.inl). Around it: a step is cut
 // into substeps so that no body moves far between two searches, and a substep that fails is
 // repeated at half its length.
+#include "chunk.h"
 #include "commit_chunk.h"
 #include "effect/effect.h"
 #include "membrane_stretch.h"
@@ -108,6 +109,27 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
   return CLOTH_OK;
 }
 
+// mean velocity and acceleration of each cloth; a chunk counts for the cloth of its first vertex
+static void mean_motion(cloth_sim *sim)
+{
+  const cloth_real *field = sim->host + CLOTH_COMMIT_VELOCITY;
+  for (int cloth = 0, c = 0; cloth < sim->def->cloth_count; cloth++) {
+    double sum[3] = {0, 0, 0};
+    int count = 0;
+    for (; c < sim->chunks && c * CLOTH_CHUNK < sim->cloth_first[cloth + 1]; c++) {
+      int rows = sim->vertex_count - c * CLOTH_CHUNK;
+      count += rows < CLOTH_CHUNK ? rows : CLOTH_CHUNK;
+      for (int k = 0; k < 3; k++) sum[k] += (double)field[CLOTH_COMMIT_FIELDS * c + k];
+    }
+    for (int k = 0; k < 3 && count > 0; k++) {
+      double *mean = &sim->mean_velocity[3 * cloth + k], v = sum[k] / count;
+      if (sim->mean_known) sim->acceleration[3 * cloth + k] = (v - *mean) / sim->h;
+      *mean = v;
+    }
+  }
+  sim->mean_known = true;
+}
+
 // the substep stands: its end is the next start
 static cloth_status accept(cloth_sim *sim, cloth_error *err)
 {
@@ -202,6 +224,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
       continue;
     }
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
+    mean_motion(sim);
     CLOTH_TRY(accept(sim, err));
     sim->report->substeps++;
     done = to;
@@ -290,6 +313,7 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   CLOTH_TRY(advance_all(sim, h, &result, err));
   if (result == OUTCOME_UNSTABLE) {
     CLOTH_TRY(save_start(sim, true, err));
+    cloth_guess_free_fall(sim);
     for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
     for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;
     CLOTH_FAIL(err, CLOTH_UNSTABLE,

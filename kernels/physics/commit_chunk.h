@@ -4,7 +4,13 @@
 
 #include "chunk.h"
 
-enum { CLOTH_COMMIT_WORST, CLOTH_COMMIT_SPEED, CLOTH_COMMIT_ENERGY, CLOTH_COMMIT_FIELDS };
+enum {
+  CLOTH_COMMIT_WORST,
+  CLOTH_COMMIT_SPEED,
+  CLOTH_COMMIT_ENERGY,
+  CLOTH_COMMIT_VELOCITY, // three fields
+  CLOTH_COMMIT_FIELDS = CLOTH_COMMIT_VELOCITY + 3
+};
 
 typedef struct cloth_commit_chunk_args {
   int first, count;        // owned vertices
@@ -14,12 +20,14 @@ typedef struct cloth_commit_chunk_args {
   cloth_real inverse_step; // 1/s
   cloth_real *v_next;      // [vertices x 3] m/s, written
   cloth_real *out; // [chunks x CLOTH_COMMIT_FIELDS]: largest |coordinate| [m] (NaN if any is),
-                   // largest speed [m/s], kinetic energy [J]
+                   // largest speed [m/s], kinetic energy [J], sum of
+                   // velocities [m/s]
 } cloth_commit_chunk_args;
 
 CLOTH_FN void cloth_commit_chunk(int i, const cloth_commit_chunk_args *a)
 {
   cloth_real worst = 0, speed = 0, energy = 0;
+  cloth_v3 sum = cloth_v3_make(0, 0, 0);
   int begin = a->first + i * CLOTH_CHUNK, end = cloth_chunk_end(a->first, a->count, i);
   for (int k = begin; k < end; k++) {
     cloth_v3 x = cloth_v3_load(a->x, k);
@@ -31,10 +39,12 @@ CLOTH_FN void cloth_commit_chunk(int i, const cloth_commit_chunk_args *a)
     cloth_real v_sq = cloth_v3_dot(v, v);
     if (!(v_sq <= speed)) speed = v_sq;
     energy += a->mass[k] * v_sq / 2;
+    sum = cloth_v3_add(sum, v);
     cloth_v3_store(a->v_next, k, v);
   }
   cloth_real *out = a->out + CLOTH_COMMIT_FIELDS * (a->first / CLOTH_CHUNK + i);
   out[CLOTH_COMMIT_WORST] = worst;
   out[CLOTH_COMMIT_SPEED] = cloth_sqrt(speed);
   out[CLOTH_COMMIT_ENERGY] = energy;
+  cloth_v3_store(out + CLOTH_COMMIT_VELOCITY, 0, sum);
 }

@@ -28,16 +28,32 @@ CLOTH_FN int cloth_pair_near(const cloth_contact_scene *s, const cloth_contact_g
   return cloth_box_near(box[0], box[1], gap);
 }
 
+// as cloth_contact_motion(), to where inertia and gravity alone take the cloth
+CLOTH_FN cloth_v3 cloth_contact_flight(const cloth_contact_scene *s,
+                                       const cloth_contact_geometry *g)
+{
+  cloth_v3 u = cloth_v3_make(0, 0, 0);
+  for (int k = 0; k < 4; k++) {
+    int v = g->vertex[k];
+    cloth_v3 end = cloth_v3_load(v < s->cloth_vertices ? s->x_pred : s->x, v);
+    u = cloth_v3_add_scaled(u, g->weight[k], cloth_v3_sub(end, cloth_v3_load(s->x_t0, v)));
+  }
+  return u;
+}
+
 CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
 {
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
   cloth_pair_vertices(s, a->pair[i], &g);
-  if (!cloth_pair_near(s, &g, s->thickness)) return;
+  if (!cloth_pair_near(s, &g, s->thickness + s->reach)) return;
   cloth_contact_measure(s->x_t0, &g);
   if (!g.proper) return;
   cloth_real ahead = g.distance + cloth_v3_dot(g.normal, cloth_contact_motion(&g, s->x_t0, s->x));
   cloth_real nearest = ahead < g.distance ? ahead : g.distance;
+  // the solve may end anywhere between its first guess and free flight
+  ahead = g.distance + cloth_v3_dot(g.normal, cloth_contact_flight(s, &g));
+  nearest = ahead < nearest ? ahead : nearest;
   if (!(nearest < s->thickness) || cloth_contact_ignored(s, &g)) return;
   if (!(nearest < cloth_contact_thickness(s, &g))) return;
   uint32_t at = cloth_atomic_add(a->count, 1);

@@ -13,6 +13,7 @@ typedef struct cloth_contact_scene {
   const int *edge;                 // [edges x 2]
   const cloth_real *x_t0;          // [vertices x 3] m, start of the substep
   const cloth_real *x;             // [vertices x 3] m, predicted or solved end
+  const cloth_real *x_pred;        // [cloth vertices x 3] m, where inertia and gravity alone lead
   const cloth_real *rest;          // [cloth vertices x 3] m, rest shape
   const cloth_real *free;          // [cloth vertices] 1: moves, 0: held rigidly
   const cloth_real *mass;          // [cloth vertices] kg
@@ -24,6 +25,7 @@ typedef struct cloth_contact_scene {
       *ignore; // [grasps x bodies] 1: contacts of held vertices with the body are off
   int bodies;
   cloth_real thickness; // m
+  cloth_real reach;     // m, how far free flight may end from x
   cloth_real friction;  // cloth on cloth
   cloth_key_format format;
 } cloth_contact_scene;

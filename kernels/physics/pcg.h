@@ -13,6 +13,7 @@ enum {
   CLOTH_PCG_BETA,
   CLOTH_PCG_RZ,        // r' z
   CLOTH_PCG_RZ_COARSE, // the part of it that the coarse level adds
+  CLOTH_PCG_RZ_FIRST,  // r' z of the substep's first solve at its start
   CLOTH_PCG_RR,        // r' r
   CLOTH_PCG_BB,        // b' b of the substep's first solve, over the free rows
   CLOTH_PCG_DONE,      // 1: converged or broken down

@@ -21,9 +21,12 @@ CLOTH_FN void cloth_pcg_beta(int i, const cloth_pcg_beta_args *a)
   cloth_real rr = cloth_partial_sum(a->partial, a->chunks, 1);
   if (a->start) { // later Newton iterations are measured against the first one's b
     if (a->first || !(rr <= s[CLOTH_PCG_BB])) s[CLOTH_PCG_BB] = rr;
+    if (a->first || !(rz <= s[CLOTH_PCG_RZ_FIRST])) s[CLOTH_PCG_RZ_FIRST] = rz;
     s[CLOTH_PCG_ITERATIONS] = 0, s[CLOTH_PCG_DONE] = 0;
   }
   s[CLOTH_PCG_BETA] = a->start ? 0 : rz / s[CLOTH_PCG_RZ];
   s[CLOTH_PCG_RZ] = rz, s[CLOTH_PCG_RR] = rr;
-  if (!(rr > a->tolerance * a->tolerance * s[CLOTH_PCG_BB])) s[CLOTH_PCG_DONE] = 1;
+  cloth_real share = a->tolerance * a->tolerance;
+  if (!(rr > share * s[CLOTH_PCG_BB]) && !(rz > share * s[CLOTH_PCG_RZ_FIRST]))
+    s[CLOTH_PCG_DONE] = 1;
 }

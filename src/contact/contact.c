@@ -12,15 +12,20 @@
 #include "contact_row.h"
 #include "effect/effect.h"
 
+#include <math.h>
+
 enum { COUNT_CONTACTS = 3, COUNT_TOTALS = 6 }; // places in part->counter
 
 cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *p)
 {
+  const double *g = sim->params.gravity;
+  double fall = sim->h * sim->h * sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   cloth_contact_scene s = {.cloth_vertices = sim->vertex_count,
                            .triangle = p->triangle,
                            .edge = p->edge,
                            .x_t0 = p->x_t0,
                            .x = p->x,
+                           .x_pred = p->x_pred,
                            .rest = p->x_rest,
                            .free = p->free,
                            .mass = p->mass,
@@ -31,6 +36,7 @@ cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_par
                            .ignore = p->ignore,
                            .bodies = sim->def->body_count,
                            .thickness = (cloth_real)sim->params.thickness,
+                           .reach = (cloth_real)fmin(fall, sim->params.thickness),
                            .friction = (cloth_real)sim->params.friction,
                            .format = sim->format};
   return s;

@@ -65,6 +65,7 @@ cloth_status cloth_sim_state_set(void *data, int cloth, const double *position,
 {
   cloth_sim *sim = data;
   sim->pairs_valid = false;
+  cloth_guess_free_fall(sim);
   if (position != NULL)
     CLOTH_TRY(write_vector(sim, offsetof(cloth_part, x_t0), cloth, position, err));
   if (velocity != NULL) CLOTH_TRY(write_vector(sim, offsetof(cloth_part, v), cloth, velocity, err));
@@ -77,6 +78,7 @@ cloth_status cloth_sim_reset(void *data, cloth_error *err)
   size_t n = 3 * (size_t)sim->vertex_count;
   sim->pairs_valid = false;
   sim->time = 0, sim->step = 0, sim->speed_last = 0;
+  cloth_guess_free_fall(sim);
   CLOTH_TRY(cloth_staging(sim, n, err));
   for (size_t i = 0; i < n; i++) sim->host[i] = (cloth_real)sim->rest[i];
   for (int p = 0; p < sim->part_count; p++)

@@ -140,7 +140,8 @@ static cloth_status take_bodies(cloth_sim *sim, cloth_part *p, cloth_error *err)
   for (int b = 0; b < bodies; b++) {
     const cloth_mesh *m = &sim->def->body[b].mesh;
     int first = sim->body[b].vertex_first - sim->vertex_count;
-    memcpy(local + 3 * first, m->position, sizeof *local * 3 * (size_t)m->vertex_count);
+    for (int i = 0; i < 3 * m->vertex_count; i++)
+      local[3 * first + i] = sim->body[b].spread * m->position[i];
     for (int v = 0; v < m->vertex_count; v++) body_of[first + v] = b;
     friction[b] = sim->active[CLOTH_EFFECT_friction] ? sim->def->body[b].friction : 0;
   }
@@ -201,7 +202,7 @@ void cloth_sim_free(void *data)
   for (int h = 0; h < sim->hold_capacity; h++) {
     free(sim->hold[h].vertex), free(sim->hold[h].local), free(sim->hold[h].ignore);
   }
-  free(sim->hold), free(sim->body);
+  free(sim->hold), free(sim->body), free(sim->mean_velocity), free(sim->acceleration);
   free(sim->cloth_first), free(sim->triangle_first), free(sim->order), free(sim->internal);
   free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
       free(sim->owns);

@@ -93,6 +93,15 @@ static void number_triangles(cloth_sim *sim, int c, sorter *s)
   }
 }
 
+// a plane is unbounded; the square that stands for it reaches farther than cloth goes
+static double plane_spread(const cloth_mesh *m)
+{
+  const double reach = 50; // m; larger would cost digits in float
+  double half = 0;
+  for (int i = 0; i < 3 * m->vertex_count; i++) half = fmax(half, fabs(m->position[i]));
+  return half > 0 && half < reach ? reach / half : 1;
+}
+
 static void number_bodies(cloth_sim *sim)
 {
   int v = sim->vertex_count, t = sim->triangle_count;
@@ -102,6 +111,7 @@ static void number_bodies(cloth_sim *sim)
     body->vertex_first = v, body->vertex_count = m->vertex_count;
     body->triangle_first = t, body->triangle_count = m->triangle_count;
     for (int i = 0; i < 3 * m->triangle_count; i++) sim->triangle[3 * t + i] = v + m->triangle[i];
+    body->spread = sim->def->body[b].plane ? plane_spread(m) : 1;
     double lo[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, hi[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
     for (int i = 0; i < 3 * m->vertex_count; i++) {
       lo[i % 3] = fmin(lo[i % 3], m->position[i]);
@@ -113,6 +123,7 @@ static void number_bodies(cloth_sim *sim)
       for (int k = 0; k < 3; k++) r_sq += pow(m->position[3 * i + k] - body->center[k], 2);
       body->radius = fmax(body->radius, sqrt(r_sq));
     }
+    body->radius *= body->spread;
     v += m->vertex_count, t += m->triangle_count;
   }
 }
@@ -223,8 +234,11 @@ static cloth_status take_arrays(cloth_sim *sim, cloth_error *err)
   sim->triangle = malloc(sizeof(int) * 3 * ((size_t)sim->all_triangles + 1));
   sim->rest = malloc(sizeof(double) * 3 * n), sim->mass = calloc(n, sizeof(double));
   sim->body = calloc((size_t)d->body_count + 1, sizeof *sim->body);
-  if (!sim->cloth_first || !sim->triangle_first || !sim->order || !sim->internal ||
-      !sim->triangle_order || !sim->triangle || !sim->rest || !sim->mass || !sim->body)
+  sim->mean_velocity = calloc(3 * (size_t)d->cloth_count + 1, sizeof(double));
+  sim->acceleration = calloc(3 * (size_t)d->cloth_count + 1, sizeof(double));
+  if (!sim->mean_velocity || !sim->acceleration || !sim->cloth_first || !sim->triangle_first ||
+      !sim->order || !sim->internal || !sim->triangle_order || !sim->triangle || !sim->rest ||
+      !sim->mass || !sim->body)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "scene of %d vertices", sim->all_vertices);
   for (int c = 0; c < d->cloth_count; c++) {
     sim->cloth_first[c + 1] = sim->cloth_first[c] + d->cloth[c].mesh.vertex_count;

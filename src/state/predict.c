@@ -98,6 +98,24 @@ static cloth_status move_bodies(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
+// how much of free fall the cloth as a whole did in the last substep, in [0, 1]
+static double share_of_fall(const cloth_sim *sim, int cloth)
+{
+  const double *a = sim->acceleration + 3 * cloth, *g = sim->params.gravity;
+  double along = 0, g_sq = 0;
+  for (int k = 0; k < 3; k++) along += a[k] * g[k], g_sq += g[k] * g[k];
+  double share = g_sq > 0 ? along / g_sq : 0;
+  return share > 0 ? (share < 1 ? share : 1) : 0;
+}
+
+void cloth_guess_free_fall(cloth_sim *sim)
+{
+  bool falls = sim->active[CLOTH_EFFECT_gravity];
+  for (int i = 0; i < 3 * sim->def->cloth_count; i++)
+    sim->acceleration[i] = falls ? sim->params.gravity[i % 3] : 0;
+  sim->mean_known = false;
+}
+
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err)
 {
   for (int b = 0; b < sim->def->body_count; b++) {
@@ -113,7 +131,12 @@ cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_e
     a.x_t0 = part->x_t0, a.v = part->v, a.x_pred = part->x_pred, a.x = part->x;
     a.mass_drag = sim->active[CLOTH_EFFECT_damping] ? part->mass_drag : NULL;
     sim->owner = sim->active[CLOTH_EFFECT_gravity] ? CLOTH_EFFECT_gravity : CLOTH_CORE;
-    CLOTH_LAUNCH(sim, part, predict, sim->vertex_count, &a, err);
+    for (int c = 0; c < sim->def->cloth_count; c++) {
+      a.first = sim->cloth_first[c];
+      double falls = share_of_fall(sim, c);
+      for (int k = 0; k < 3; k++) a.acceleration[k] = (cloth_real)falls * a.gravity[k];
+      CLOTH_LAUNCH(sim, part, predict, sim->cloth_first[c + 1] - a.first, &a, err);
+    }
   }
   sim->owner = CLOTH_EFFECT_pins;
   if (sim->held_count > 0) CLOTH_TRY(cloth_holds_aim(sim, to, err));

@@ -122,6 +122,7 @@ typedef struct cloth_body {
   bool told;                // moved by call: the motion of the scene file no longer acts
   bool near;                // its swept box meets the cloth's
   double center[3], radius; // m, bounding sphere in the body frame
+  double spread;            // factor on the mesh: above 1 for planes
   int vertex_first, vertex_count, triangle_first, triangle_count;
 } cloth_body;
 
@@ -189,6 +190,8 @@ struct cloth_sim {
   int64_t step;
   double h;          // s, of this substep
   int iteration;     // Newton iteration of this substep
+  double *mean_velocity, *acceleration; // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
+  bool mean_known;   // mean_velocity is that of the state
   double speed_last; // m/s, fastest vertex of the last substep
   double damping_h;  // s, step for which the damping numbers are set
   bool pairs_valid;  // the candidates still cover every path from x_t0 to x
@@ -262,6 +265,7 @@ cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *
 
 // ---- stages -------------------------------------------------------------------------------------
 
+void cloth_guess_free_fall(cloth_sim *sim); // after anything but a step changed the state
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
 cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err); // box of x_t0 and x, all cloth
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are

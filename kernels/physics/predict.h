@@ -1,11 +1,10 @@
 // Where vertex i goes if nothing but inertia and gravity acts: x* = x + h v + h^2 g, the point that
-// backward Euler pulls towards (Baraff and Witkin 1998). The solve starts from x + h v + h^2 a,
-// with a the acceleration of the cloth as a whole in the last substep: where cloth is at rest,
-// falls or moves evenly that is nearly the answer, so the first residual, by which the solve is
-// measured, is small, and the slip that friction sees at first is that of the last substep. (From
-// x* the first residual is that of a free fall: one per cent of it is more than the friction of a
-// towel and shakes one that hangs. Guessing the acceleration of each vertex would save iterations
-// but multiplies what the last solve left in the soft modes, step after step, until it shows.)
+// backward Euler pulls towards (Baraff and Witkin 1998). The solve starts from x + h v + s h^2 g,
+// where s in [0, 1] is how much of free fall the cloth as a whole did in the last substep: free
+// fall starts at its answer, and cloth that lies does not start inside the table. (From x* the
+// first residual is that of a free fall: one per cent of it is more than the friction of a towel
+// and shakes one that hangs. Guessing the acceleration of each vertex would save iterations but
+// multiplies what the last solve left in the soft modes, step after step, until it shows.)
 #pragma once
 
 #include "real.h"

@@ -1,8 +1,11 @@
+#define _GNU_SOURCE // setenv, execv
 // cloth: the command. The table of subcommands; to add one, write its file and name it here.
 #include "nearest.h"
 #include "tool.h"
 
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const tool_command *const commands[] = {
     &tool_run, &tool_info, &tool_replay, &tool_bench, &tool_params, NULL,
@@ -76,8 +79,18 @@ static int run_command(const tool_command *command, int argc, char **argv)
   return code;
 }
 
+// OpenMP's threads spin while they wait, unless the environment says otherwise before the program starts.
+// On a core that somebody else needs too, that makes a step ten times slower; on an idle machine it
+// hardly helps. So: sleep by default, and start over with that said.
+static void sleep_while_waiting(char **argv)
+{
+  if (getenv("OMP_WAIT_POLICY") != NULL || setenv("OMP_WAIT_POLICY", "passive", 1) != 0) return;
+  execv("/proc/self/exe", argv); // returns only where there is no /proc: then it spins
+}
+
 int main(int argc, char **argv)
 {
+  sleep_while_waiting(argv);
   if (argc < 2) {
     print_usage(stderr);
     return TOOL_BAD_INPUT;

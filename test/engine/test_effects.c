@@ -1,0 +1,184 @@
+// A scene pays only for the effects it calls for: what is not active holds no byte and launches no
+// kernel, and a stage that has nothing to do is skipped and says so.
+#include "scene.h"
+
+static sheet cloth;
+static solid body;
+
+typedef struct wish {
+  const char *effect;
+  const char *needs; // effects that cannot be without
+  bool kernels;      // launches kernels of its own
+  bool memory;       // holds memory of its own
+} wish;
+
+static const wish wishes[] = {
+    {"none", "", false, false},
+    {"gravity", "", true, false},
+    {"membrane", "", true, true},
+    {"bending", "", true, true},
+    {"damping", "membrane bending", false, false}, // numbers that the two others read
+    {"damping of mass", "damping", false, false},
+    {"air", "", true, true},
+    {"pins", "", true, true},
+    {"self_contact", "", true, true},
+    {"body_contact", "", true, true},
+    {"friction", "body_contact", false, false}, // inside the contact kernels
+};
+enum { WISHES = sizeof wishes / sizeof *wishes };
+
+static bool has(const wish *w, const char *effect)
+{
+  return strcmp(w->effect, effect) == 0 || strstr(w->needs, effect) != NULL;
+}
+
+// a sheet in space without weight, stiffness or company, but for what is wished
+static cloth_scene *scene_with(const char *precision, const wish *w)
+{
+  sheet_make(&cloth, 0.3, 0.3, 12, 12);
+  solid_box(&body, 0.2, 0.2, 0.02);
+  cloth_material m = cloth_material_default();
+  if (!has(w, "membrane")) m.stretch_warp = m.stretch_weft = m.shear = 0;
+  if (!has(w, "bending")) m.bend_warp = m.bend_weft = 0;
+  m.damping_stretch = m.damping_bend = m.damping_mass = 0;
+  if (strcmp(w->effect, "damping") == 0) m.damping_stretch = m.damping_bend = 1e-3;
+  if (strcmp(w->effect, "damping of mass") == 0) m.damping_mass = 1;
+  cloth_def *def = def_new(precision);
+  if (!has(w, "gravity")) def_set(def, "gravity", "0 0 0");
+  if (has(w, "air")) def_set(def, "air_density", "1.2"), def_set(def, "wind", "1 0 0");
+  if (strcmp(w->effect, "friction") != 0) def_set(def, "friction", "0");
+  if (!has(w, "self_contact")) def_set(def, "effects.self_contact", "off");
+  def_cloth(def, "sheet", &cloth, m, pose_at(0, 0, 0));
+  double friction = strcmp(w->effect, "friction") == 0 ? 0.5 : 0;
+  if (has(w, "body_contact")) def_body(def, "box", &body, friction, pose_at(0, 0, -0.012));
+  cloth_scene *scene = scene_new(def);
+  static const int corner[1] = {0};
+  if (has(w, "pins")) scene_hold(scene, 0, corner, 1, cloth_pose_identity());
+  return scene;
+}
+
+static int check_wish(const char *precision, const wish *w)
+{
+  cloth_scene *scene = scene_with(precision, w);
+  scene_step(scene, 10);
+  for (int e = 0; e < cloth_effect_count(); e++) {
+    cloth_effect_info info;
+    cloth_error err = {0};
+    CHECK_OK(cloth_effect_describe(scene, e, &info, &err), err);
+    CHECK(info.name[0] != 0 && info.source[0] != 0 && info.why[0] != 0);
+    bool wanted = strcmp(w->effect, info.name) == 0 || strstr(w->needs, info.name) != NULL;
+    if (info.active != wanted || (!wanted && (info.memory_bytes > 0 || info.launches > 0)))
+      printf("  wish %s: %s is %s: %s; %llu bytes, %lld launches\n", w->effect, info.name,
+             info.active ? "active" : "not active", info.why, (unsigned long long)info.memory_bytes,
+             (long long)info.launches);
+    CHECK(info.active == wanted);
+    CHECK(wanted || (info.memory_bytes == 0 && info.launches == 0));
+    if (strcmp(w->effect, info.name) != 0) continue;
+    CHECK(!w->kernels || info.launches >= 10); // each step
+    CHECK(!w->memory || info.memory_bytes > 0);
+  }
+  cloth_scene_free(scene);
+  return 0;
+}
+
+static int effects(const char *precision)
+{
+  for (int i = 0; i < WISHES; i++)
+    if (check_wish(precision, &wishes[i])) return 1;
+  return 0;
+}
+BOTH(what_is_not_wanted_holds_no_byte_and_launches_no_kernel, effects)
+
+static int every_effect_is_tested(void)
+{
+  cloth_scene *scene = scene_with("double", &wishes[0]);
+  for (int e = 0; e < cloth_effect_count(); e++) {
+    cloth_effect_info info;
+    cloth_error err = {0};
+    bool found = false;
+    CHECK_OK(cloth_effect_describe(scene, e, &info, &err), err);
+    for (int i = 0; i < WISHES; i++) found |= strcmp(wishes[i].effect, info.name) == 0;
+    if (!found) printf("  no test of effect %s\n", info.name);
+    CHECK(found);
+  }
+  cloth_scene_free(scene);
+  return 0;
+}
+
+static int switched_off(const char *precision)
+{
+  static const char *const names[] = {"gravity", "membrane", "bending",      "damping",
+                                      "air",     "friction", "self_contact", "body_contact"};
+  sheet_make(&cloth, 0.3, 0.3, 8, 8);
+  solid_box(&body, 0.2, 0.2, 0.02);
+  cloth_def *def = def_new(precision);
+  def_set(def, "air_density", "1.2");
+  def_cloth(def, "sheet", &cloth, cloth_material_default(), pose_at(0, 0, 0));
+  def_body(def, "box", &body, 0.5, pose_at(0, 0, -0.012));
+  for (int i = 0; i < 8; i++) {
+    char key[64];
+    snprintf(key, sizeof key, "effects.%s", names[i]);
+    def_set(def, key, "off");
+  }
+  cloth_scene *scene = scene_new(def);
+  scene_step(scene, 5);
+  for (int e = 0; e < cloth_effect_count(); e++) {
+    cloth_effect_info info;
+    cloth_error err = {0};
+    CHECK_OK(cloth_effect_describe(scene, e, &info, &err), err);
+    CHECK(!info.active && info.memory_bytes == 0 && info.launches == 0);
+  }
+  cloth_scene_free(scene);
+  return 0;
+}
+BOTH(an_effect_that_is_switched_off_costs_nothing, switched_off)
+
+static bool skipped(const cloth_step_report *r, cloth_stage stage)
+{
+  return r->stages_skipped >> stage & 1;
+}
+
+static int stages(const char *precision)
+{
+  static const wish gravity = {"gravity", "", true, false};
+  cloth_scene *scene = scene_with(precision, &gravity);
+  cloth_step_report r = scene_step(scene, 3);
+  CHECK(skipped(&r, CLOTH_STAGE_pairs) && skipped(&r, CLOTH_STAGE_contact) &&
+        skipped(&r, CLOTH_STAGE_ccd));
+  CHECK(!skipped(&r, CLOTH_STAGE_predict) && !skipped(&r, CLOTH_STAGE_effects) &&
+        !skipped(&r, CLOTH_STAGE_assemble) && !skipped(&r, CLOTH_STAGE_solve) &&
+        !skipped(&r, CLOTH_STAGE_commit));
+  CHECK(r.stages_skipped >> CLOTH_STAGE_COUNT == 0); // no bit that means nothing
+  cloth_scene_free(scene);
+  return 0;
+}
+BOTH(free_fall_skips_the_stages_of_contact, stages)
+
+static int near_and_far(const char *precision)
+{
+  static const wish contact = {"body_contact", "", true, true};
+  cloth_scene *scene = scene_with(precision, &contact);
+  cloth_step_report r = scene_step(scene, 1);
+  CHECK(r.bodies_near == 1 && r.contacts_body > 0 && !skipped(&r, CLOTH_STAGE_pairs));
+  cloth_pose away = pose_at(0, 0, -5);
+  cloth_error err = {0};
+  CHECK_OK(cloth_body_place(scene, 0, &away, &err), err);
+  r = scene_step(scene, 1);
+  CHECK(r.bodies_near == 0 && r.contacts_body == 0 && r.pairs == 0);
+  CHECK(skipped(&r, CLOTH_STAGE_pairs) && skipped(&r, CLOTH_STAGE_contact) &&
+        skipped(&r, CLOTH_STAGE_ccd));
+  cloth_scene_free(scene);
+  return 0;
+}
+BOTH(a_body_that_goes_away_takes_its_stages_along, near_and_far)
+
+int main(int argc, char **argv)
+{
+  int failures = 0;
+  RUN(what_is_not_wanted_holds_no_byte_and_launches_no_kernel);
+  RUN(every_effect_is_tested);
+  RUN(an_effect_that_is_switched_off_costs_nothing);
+  RUN(free_fall_skips_the_stages_of_contact);
+  RUN(a_body_that_goes_away_takes_its_stages_along);
+  return failures > 0;
+}

@@ -39,12 +39,26 @@ std_msgs::ColorRGBA colour(const Eigen::Vector3d &c)
   return out;
 }
 
+// The triangles of one side of a cloth, moved off the middle surface so that RViz, which draws both
+// sides of a triangle alike, shows each side in its own colour. side: +1 front, -1 back.
+void addSide(const std::vector<Eigen::Vector3d> &x, const std::vector<double> &normal,
+             const std::vector<int> &triangles, double side, const Eigen::Vector3d &hue, Marker &m)
+{
+  // from above, a little from the front and left of a viewer who looks along +x
+  static const Eigen::Vector3d light = Eigen::Vector3d(-0.45, -0.35, 0.82).normalized();
+  const double offset = 4e-4; // m
+  for (int v : triangles) {
+    const Eigen::Vector3d n =
+        side * Eigen::Map<const Eigen::Vector3d>(&normal[3 * static_cast<size_t>(v)]);
+    const double lit = 0.5 + 0.5 * n.dot(light); // wrapped: nothing is black
+    m.points.push_back(point(x[static_cast<size_t>(v)] + offset * n));
+    m.colors.push_back(colour((0.40 + 0.60 * lit) * hue));
+  }
+}
+
 Marker clothMarker(const Snapshot &s, size_t cloth)
 {
-  // light from the upper left of a viewer who looks along +x; which side of the cloth is up decides
-  // the hue
-  static const Eigen::Vector3d light = Eigen::Vector3d(-0.45, -0.35, 0.82).normalized();
-  static const Eigen::Vector3d front(0.93, 0.91, 0.86), back(0.30, 0.52, 0.72);
+  static const Eigen::Vector3d front(0.96, 0.94, 0.89), back(0.25, 0.52, 0.78);
   const ClothShape &shape = (*s.shapes)[cloth];
   const std::vector<double> &flat = s.cloths[cloth].positions;
   std::vector<Eigen::Vector3d> x(flat.size() / 3);
@@ -52,19 +66,10 @@ Marker clothMarker(const Snapshot &s, size_t cloth)
     x[i] = Eigen::Vector3d(flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]);
   const std::vector<double> normal = vertexNormals(flat, shape.triangles);
   Marker m = makeMarker(s.state.header, "cloth/" + shape.name, Marker::TRIANGLE_LIST);
-  m.points.reserve(shape.triangles.size());
-  m.colors.reserve(shape.triangles.size());
-  for (size_t t = 0; t + 2 < shape.triangles.size(); t += 3) {
-    const int *v = &shape.triangles[t];
-    const Eigen::Vector3d face = (x[v[1]] - x[v[0]]).cross(x[v[2]] - x[v[0]]);
-    const bool up = face.z() >= 0;
-    for (int k = 0; k < 3; k++) {
-      const double shade =
-          0.45 + 0.55 * std::fabs(Eigen::Map<const Eigen::Vector3d>(&normal[3 * v[k]]).dot(light));
-      m.points.push_back(point(x[v[k]]));
-      m.colors.push_back(colour(shade * (up ? front : back)));
-    }
-  }
+  m.points.reserve(2 * shape.triangles.size());
+  m.colors.reserve(2 * shape.triangles.size());
+  addSide(x, normal, shape.triangles, 1, front, m);
+  addSide(x, normal, shape.triangles, -1, back, m);
   return m;
 }
 
@@ -99,7 +104,7 @@ visualization_msgs::MarkerArray bodyMarkers(const World &world, const std::strin
                           Marker::TRIANGLE_LIST);
     m.frame_locked = link;
     if (!link) m.pose = toMessage(toPose(cloth_body_pose(world.scene.get(), body)));
-    m.color = colour(link ? Eigen::Vector3d(0.55, 0.58, 0.62) : Eigen::Vector3d(0.60, 0.48, 0.36));
+    m.color = colour(link ? Eigen::Vector3d(0.55, 0.58, 0.62) : Eigen::Vector3d(0.93, 0.80, 0.62));
     for (int i = 0; i < 3 * mesh.triangle_count; i++) {
       const double *p = mesh.position + 3 * mesh.triangle[i];
       m.points.push_back(point({p[0], p[1], p[2]}));

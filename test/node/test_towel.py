@@ -61,7 +61,7 @@ class Towel(unittest.TestCase):
         markers = {m.ns: m for m in rospy.wait_for_message('cloth/markers', MarkerArray, 5).markers}
         cloth = markers['cloth/towel']
         self.assertEqual(len(cloth.points), len(cloth.colors))
-        self.assertEqual(len(cloth.points), 3 * 2 * 15 * 15)
+        self.assertEqual(len(cloth.points), 2 * 3 * 2 * 15 * 15)  # both sides
         mesh = rospy.wait_for_message('cloth/towel/mesh', ClothMesh, 5).mesh
         self.assertEqual((len(mesh.vertices), len(mesh.triangles)), (256, 2 * 15 * 15))
 

@@ -1,4 +1,3 @@
-#define _GNU_SOURCE // setenv, execv
 // cloth: the command. The table of subcommands; to add one, write its file and name it here.
 #include "nearest.h"
 #include "tool.h"

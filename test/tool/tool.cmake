@@ -8,3 +8,6 @@ if(Python3_FOUND AND TARGET cloth_command)
   add_test(NAME tool_command COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/test_command.py
            $<TARGET_FILE:cloth_command> ${CLOTH_CHECK_MESHES})
 endif()
+
+# the tables of README.md are the code's
+add_test(NAME readme COMMAND ${CLOTH_TEST_PYTHON3} ${CMAKE_CURRENT_LIST_DIR}/../test_readme.py $<TARGET_FILE:cloth_command>)

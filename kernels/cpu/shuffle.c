@@ -102,19 +102,23 @@ static int advance(cloth_device *d, int q)
   return 1;
 }
 
-// run everything that the events allow, in random order
+// run everything that the events allow, in random order: at each turn every queue that has work is
+// equally likely to come first
 static void drain(void)
 {
-  for (int idle = 0; idle < MAX_DEVICES * CLOTH_QUEUE_COUNT; idle++) {
-    int slots = MAX_DEVICES * CLOTH_QUEUE_COUNT, first = (int)(roll() % (unsigned)slots);
-    for (int k = 0; k < slots; k++) { // the first that can advance, from a random start
-      int pick = (first + k) % slots;
-      cloth_device *d = g_device[pick / CLOTH_QUEUE_COUNT];
-      if (d == NULL || !advance(d, pick % CLOTH_QUEUE_COUNT)) continue;
-      idle = -1;
-      break;
+  for (;;) {
+    int waiting[MAX_DEVICES * CLOTH_QUEUE_COUNT], n = 0, done = 0;
+    for (int s = 0; s < MAX_DEVICES * CLOTH_QUEUE_COUNT; s++) {
+      const cloth_device *d = g_device[s / CLOTH_QUEUE_COUNT];
+      int q = s % CLOTH_QUEUE_COUNT;
+      if (d != NULL && d->head[q] != d->tail[q]) waiting[n++] = s;
     }
-    if (idle >= 0) return; // nothing can advance
+    int first = n > 0 ? (int)(roll() % (unsigned)n) : 0;
+    for (int k = 0; k < n && !done; k++) { // the first that can advance
+      int s = waiting[(first + k) % n];
+      done = advance(g_device[s / CLOTH_QUEUE_COUNT], s % CLOTH_QUEUE_COUNT);
+    }
+    if (!done) return; // nothing can advance
   }
 }
 

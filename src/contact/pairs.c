@@ -126,8 +126,9 @@ static int key_bits(const cloth_grid *g)
 
 typedef struct hash {
   cloth_grid grid;
-  double gap; // m, distance at which a pair counts
-  int active; // triangles: cloth, then near bodies
+  double gap;   // m, distance at which a pair counts
+  double slack; // m, how far a vertex may stray
+  int active;   // triangles: cloth, then near bodies
   int entries, units, large;
 } hash;
 
@@ -161,7 +162,8 @@ static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
                                  .count = p->cells,
                                  .large = p->large,
                                  .large_count = p->counter + COUNT_LARGE};
-  cloth_box_store(count.cloth_box, 0, sim->cloth_box);
+  cloth_box all = cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, (cloth_real)h->slack);
+  cloth_box_store(count.cloth_box, 0, all);
   CLOTH_LAUNCH(sim, p, cell_count, h->active, &count, err);
   CLOTH_TRY(be->scan(p->device, h->active, p->cells, err));
   uint32_t entries, large;
@@ -208,7 +210,7 @@ static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, const hash *h, clo
 cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, double slack,
                                  bool triangles_only, cloth_error *err)
 {
-  hash h = {.grid = choose_grid(sim, gap, slack), .gap = gap};
+  hash h = {.grid = choose_grid(sim, gap, slack), .gap = gap, .slack = slack};
   int near = count_near_triangles(sim);
   h.active = sim->triangle_count + near;
   CLOTH_TRY(list_near_triangles(sim, p, near, err));

@@ -1,0 +1,174 @@
+// The broad phase against brute force: every vertex and face, and every two edges, whose swept
+// boxes come within the gap, on crumpled cloth with bodies of large and of small triangles. Each is
+// found exactly once, nothing else is, and the parts together find what one finds.
+#include "contact/pairs.h"
+#include "solve/sim.h"
+
+enum { N = 11, MOST = 400000 };
+
+static sheet cloth;
+static solid table, ball;
+static uint64_t brute[MOST], found[MOST];
+
+static cloth_def *def_of(const char *devices)
+{
+  sheet_make(&cloth, 0.25, 0.25, N, N);
+  solid_box(&table, 1, 1, 1); // two triangles a side: far larger than a cloth triangle
+  solid_sphere(&ball, 0.06, 24, 12);
+  cloth_def *def = def_new(PRECISION);
+  def_set(def, "devices", devices);
+  def_set(def, "threads", "2");
+  def_cloth(def, "one", &cloth, cloth_material_default(), pose_at(0, 0, 0.05));
+  def_cloth(def, "two", &cloth, cloth_material_default(), pose_turned(0.05, 0, 0.08, 0, 0.3));
+  def_body(def, "table", &table, 0.5, pose_turned(0, 0, -0.5, 2, 0.3));
+  def_body(def, "ball", &ball, 0.5, pose_at(0, 0, 0.06));
+  return def;
+}
+
+// fold and jitter: x_t0 in a heap of `size` [m], x up to `motion` [m] from it; no velocity, which
+// would only widen the region in which a vertex may stray
+static void crumple(cloth_sim *sim, double size, double motion, uint32_t seed)
+{
+  for (int p = 0; p < sim->part_count; p++) {
+    uint32_t s = seed; // the same for every part
+    for (int i = 0; i < 3 * sim->vertex_count; i++) {
+      double rest = sim->rest[i], at = size * sin(rest / size) + 0.2 * size * roll_real(&s);
+      sim->part[p].x_t0[i] = (cloth_real)at, sim->part[p].v[i] = 0;
+      sim->part[p].x[i] = (cloth_real)(at + motion * roll_real(&s));
+    }
+  }
+}
+
+static int compare(const void *a, const void *b)
+{
+  uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+  return x < y ? -1 : x > y;
+}
+
+static cloth_box box_of(const cloth_sim *sim, const int *vertex, int n)
+{
+  const cloth_part *p = &sim->part[0];
+  cloth_real slack = (cloth_real)sim->params.pair_slack;
+  cloth_box out = {{0, 0, 0}, {0, 0, 0}};
+  for (int k = 0; k < n; k++) {
+    cloth_box b =
+        cloth_box_swept(cloth_v3_load(p->x_t0, vertex[k]), cloth_v3_load(p->x, vertex[k]), slack);
+    out = k ? cloth_box_union(out, b) : b;
+  }
+  return out;
+}
+
+static bool shares(const int *a, int na, const int *b, int nb)
+{
+  for (int i = 0; i < na; i++)
+    for (int j = 0; j < nb; j++)
+      if (a[i] == b[j]) return true;
+  return false;
+}
+
+// every pair whose boxes come within `gap`, sorted
+static int brute_force(const cloth_sim *sim, cloth_real gap)
+{
+  int n = 0;
+  for (int v = 0; v < sim->all_vertices; v++)
+    for (int t = 0; t < sim->all_triangles; t++) {
+      const int *tri = sim->triangle + 3 * t;
+      if (v >= sim->vertex_count && t >= sim->triangle_count) continue; // body with body
+      if (shares(&v, 1, tri, 3)) continue;
+      if (cloth_box_near(box_of(sim, &v, 1), box_of(sim, tri, 3), gap) && n < MOST)
+        brute[n++] = cloth_pair_pack(sim->format, CLOTH_VERTEX_FACE, v, t);
+    }
+  for (int a = 0; a < sim->all_edges; a++) {
+    cloth_box box = box_of(sim, sim->edge + 2 * a, 2);
+    for (int b = a + 1; b < sim->all_edges; b++) {
+      if (a >= sim->edge_count) break; // both of bodies
+      if (shares(sim->edge + 2 * a, 2, sim->edge + 2 * b, 2)) continue;
+      if (cloth_box_near(box, box_of(sim, sim->edge + 2 * b, 2), gap) && n < MOST)
+        brute[n++] = cloth_pair_pack(sim->format, CLOTH_EDGE_EDGE, a, b);
+    }
+  }
+  qsort(brute, (size_t)n, sizeof *brute, compare);
+  return n;
+}
+
+// what the parts found together, sorted; a pair on a border may come from several parts
+static int search(cloth_sim *sim)
+{
+  static cloth_step_report report;
+  cloth_error err = {0};
+  int n = 0;
+  sim->report = &report;
+  must(cloth_freeze_bodies(sim, &err), &err);
+  must(cloth_pairs_search(sim, &err), &err);
+  for (int p = 0; p < sim->part_count; p++) {
+    const cloth_part *part = &sim->part[p];
+    uint64_t *own = found + n;
+    if (n + part->pair_count > MOST) abort();
+    memcpy(own, part->pair, sizeof *own * (size_t)part->pair_count);
+    qsort(own, (size_t)part->pair_count, sizeof *own, compare);
+    for (int i = 1; i < part->pair_count; i++)
+      if (own[i] == own[i - 1]) return -1; // twice in one part
+    n += part->pair_count;
+  }
+  qsort(found, (size_t)n, sizeof *found, compare);
+  int unique = 0;
+  for (int i = 0; i < n; i++)
+    if (i == 0 || found[i] != found[i - 1]) found[unique++] = found[i];
+  return unique;
+}
+
+static int matches(const char *devices, double size, double motion, uint32_t seed)
+{
+  cloth_def *def = def_of(devices);
+  cloth_sim *sim = sim_new(def);
+  sim_step(sim, 1); // once warm, as in use: buffers hold what an earlier search left
+  crumple(sim, size, motion, seed);
+  int n = search(sim);
+  if (n < 0) printf("  a pair was reported twice by one part\n");
+  CHECK(n >= 0);
+  int m = brute_force(sim, (cloth_real)sim->params.thickness);
+  CHECK(m < MOST && m > 100);
+  int faces = 0, i = 0, j = 0;
+  while (i < m || j < n) {
+    if (i < m && j < n && brute[i] == found[j]) {
+      faces += cloth_pair_unpack(sim->format, brute[i]).type == CLOTH_VERTEX_FACE;
+      i++, j++;
+      continue;
+    }
+    bool missed = j >= n || (i < m && brute[i] < found[j]);
+    cloth_pair p = cloth_pair_unpack(sim->format, missed ? brute[i] : found[j]);
+    printf("  devices %s, size %g, motion %g, seed %u: %s %d with %d was %s\n", devices, size,
+           motion, seed, p.type == CLOTH_VERTEX_FACE ? "vertex-face" : "edge-edge", p.a, p.b,
+           missed ? "missed" : "reported though far");
+    return 1;
+  }
+  CHECK(faces > 50 && faces < m); // both kinds
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
+static int pairs_are_those_of_brute_force(void)
+{
+  static const double size[] = {0.02, 0.06, 0.15}, motion[] = {0, 0.002, 0.03};
+  uint32_t seed = 1;
+  for (int s = 0; s < 3; s++)
+    for (int m = 0; m < 3; m++)
+      if (matches("cpu", size[s], motion[m], seed++)) return 1;
+  return 0;
+}
+
+static int parts_together_find_the_pairs_of_one(void)
+{
+  static const char *const devices[] = {"cpu,cpu", "cpu,cpu,cpu", "cpu,cpu,cpu,cpu"};
+  for (int i = 0; i < 3; i++)
+    if (matches(devices[i], 0.06, 0.002, 77) || matches(devices[i], 0.15, 0.03, 78)) return 1;
+  return 0;
+}
+
+int main(int argc, char **argv)
+{
+  int failures = 0;
+  RUN(pairs_are_those_of_brute_force);
+  RUN(parts_together_find_the_pairs_of_one);
+  return failures > 0;
+}

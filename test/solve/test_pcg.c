@@ -1,0 +1,222 @@
+// The linear system as the engine holds it, against a dense one: the block rows and contacts of all
+// parts are written out as one matrix, solved by Cholesky here, and compared with what the solver
+// left. The CPU backend's memory is plain memory, so the test reads it as it is.
+#include "block_rows.h"
+#include "contact_geometry.h"
+#include "solve/sim.h"
+
+enum { N = 9, VERTICES = 2 * N * N, DOFS = 3 * VERTICES };
+
+static sheet cloth;
+static solid table;
+static double A[DOFS][DOFS], b[DOFS], expected[DOFS];
+
+static const int held[3] = {0, 1, N};
+
+// two layers on a table, a corner of the upper one held and moving: every kind of block is there
+static cloth_def *def_of(const char *devices, const char *tolerance, const char *preconditioner)
+{
+  sheet_make(&cloth, 0.2, 0.2, N, N);
+  solid_box(&table, 1, 1, 0.1);
+  cloth_def *def = def_new(PRECISION);
+  def_set(def, "devices", devices);
+  def_set(def, "threads", "1");
+  def_set(def, "pcg_tolerance", tolerance);
+  def_set(def, "preconditioner", preconditioner);
+  def_set(def, "air_density", "1.2");
+  def_cloth(def, "lower", &cloth, cloth_material_default(), pose_at(0, 0, 0.003));
+  def_cloth(def, "upper", &cloth, cloth_material_default(),
+            pose_turned(0.01, 0.02, 0.0055, 2, 0.2));
+  def_body(def, "table", &table, 0.4, pose_at(0, 0, -0.05));
+  return def;
+}
+
+static cloth_step_report report;
+
+// up to the system of the first Newton iteration of the next substep, solved; dx and b stay behind
+static void solve_one(cloth_sim *sim)
+{
+  cloth_error err = {0};
+  report = (cloth_step_report){0};
+  sim->report = &report;
+  sim->h = 1.0 / 60, sim->time_t0 = sim->time, sim->iteration = 0;
+  double correction;
+  must(cloth_damping_set(sim, sim->h, &err), &err);
+  must(cloth_predict_stage(sim, 0, 1, &err), &err);
+  must(cloth_pairs_find(sim, &err), &err);
+  must(cloth_contact_build_stage(sim, &err), &err);
+  must(cloth_effects_apply(sim, 0, &err), &err);
+  must(cloth_assemble(sim, &err), &err);
+  must(cloth_pcg(sim, &correction, &err), &err);
+}
+
+static cloth_sim *sim_of(const cloth_def *def)
+{
+  cloth_sim *sim = sim_new(def);
+  cloth_error err = {0};
+  cloth_grasp_id id;
+  cloth_grasp_view g = {
+      .cloth = 1, .count = 3, .vertex = held, .body = -1, .frame = pose_at(0, 0, 0)};
+  must(cloth_sim_grasp(sim, &g, &id, &err), &err);
+  for (int n = 0; n < 5; n++) {
+    cloth_pose p = pose_at(0.001 * n, 0, 0.002 * n);
+    must(cloth_sim_grasp_move(sim, id, &p, &err), &err);
+    sim_step(sim, 1);
+  }
+  solve_one(sim);
+  return sim;
+}
+
+// ---- the dense twin -----------------------------------------------------------------------------
+
+static void add_rows(const cloth_part *p)
+{
+  cloth_block_rows rows = {p->row_first, p->row_col, p->row_val};
+  for (int i = 0; i < p->v1 - p->v0; i++) {
+    int g = i / CLOTH_ROW_GROUP, lane = i % CLOTH_ROW_GROUP;
+    for (int s = 0; s < rows.first[g + 1] - rows.first[g]; s++) {
+      int j = rows.col[(rows.first[g] + s) * CLOTH_ROW_GROUP + lane];
+      const cloth_real *val = cloth_block_at(&rows, i, s);
+      for (int e = 0; e < 9; e++)
+        A[3 * (p->v0 + i) + e / 3][3 * j + e % 3] += (double)val[e * CLOTH_ROW_GROUP];
+    }
+    for (int k = 0; k < 3; k++) b[3 * (p->v0 + i) + k] = (double)p->b[3 * (p->v0 + i) + k];
+  }
+}
+
+// contacts of a part, for the rows that it owns
+static int add_contacts(const cloth_part *p)
+{
+  for (int c = 0; c < p->contact_count; c++) {
+    cloth_sym3 t = cloth_sym3_load(p->contact_tangent, c);
+    double m[3][3] = {{(double)t.xx, (double)t.xy, (double)t.zx},
+                      {(double)t.xy, (double)t.yy, (double)t.yz},
+                      {(double)t.zx, (double)t.yz, (double)t.zz}};
+    for (int i = 0; i < 4; i++)
+      for (int j = 0; j < 4; j++) {
+        int vi = p->contact_vertex[4 * c + i], vj = p->contact_vertex[4 * c + j];
+        if (vi < p->v0 || vi >= p->v1 || vj >= VERTICES) continue;
+        double w = (double)p->contact_weight[4 * c + i] * (double)p->contact_weight[4 * c + j];
+        for (int e = 0; e < 9; e++) A[3 * vi + e / 3][3 * vj + e % 3] += w * m[e / 3][e % 3];
+      }
+  }
+  return p->contact_count;
+}
+
+static int write_out(const cloth_sim *sim)
+{
+  int contacts = 0;
+  memset(A, 0, sizeof A);
+  for (int p = 0; p < sim->part_count; p++) {
+    add_rows(&sim->part[p]);
+    contacts += add_contacts(&sim->part[p]);
+  }
+  return contacts;
+}
+
+static bool is_free(const cloth_sim *sim, int dof) { return sim->part[0].free[dof / 3] > 0; }
+
+// A over the free rows = L L', then forward and back; 1 if a pivot is not positive
+static int cholesky(const cloth_sim *sim)
+{
+  static double L[DOFS][DOFS];
+  for (int i = 0; i < DOFS; i++)
+    for (int j = 0; j <= i; j++) {
+      bool off = !is_free(sim, i) || !is_free(sim, j);
+      double sum = off ? i == j : A[i][j];
+      for (int k = 0; k < j; k++) sum -= L[i][k] * L[j][k];
+      if (i == j && !(sum > 0)) return 1;
+      L[i][j] = i == j ? sqrt(sum) : sum / L[j][j];
+    }
+  for (int i = 0; i < DOFS; i++) {
+    double sum = is_free(sim, i) ? b[i] : 0;
+    for (int k = 0; k < i; k++) sum -= L[i][k] * expected[k];
+    expected[i] = sum / L[i][i];
+  }
+  for (int i = DOFS - 1; i >= 0; i--) {
+    double sum = expected[i];
+    for (int k = i + 1; k < DOFS; k++) sum -= L[k][i] * expected[k];
+    expected[i] = sum / L[i][i];
+  }
+  return 0;
+}
+
+// ---- the sentences ------------------------------------------------------------------------------
+
+static int solution(const char *devices, const char *preconditioner)
+{
+  cloth_def *def = def_of(devices, PRECISION[0] == 'f' ? "1e-6" : "1e-11", preconditioner);
+  cloth_sim *sim = sim_of(def);
+  CHECK(sim->vertex_count == VERTICES);
+  CHECK(write_out(sim) > 100 && report.pcg_unconverged == 0);
+  double largest = 0, skew = 0;
+  for (int i = 0; i < DOFS; i++)
+    for (int j = 0; j < DOFS; j++) {
+      largest = fmax(largest, fabs(A[i][j]));
+      skew = fmax(skew, fabs(A[i][j] - A[j][i]));
+    }
+  CHECK_NEAR(skew / largest, 0, 20 * (double)CLOTH_REAL_EPSILON); // a few additions per block
+  CHECK(cholesky(sim) == 0);                                      // positive definite
+  double size = 0, error = 0;
+  for (int i = 0; i < DOFS; i++) {
+    const cloth_part *p = &sim->part[0]; // dx is complete on every part
+    double dx = (double)p->dx[i];
+    if (!is_free(sim, i)) CHECK(dx == 0); // held rows are exact
+    size = fmax(size, fabs(expected[i]));
+    error = fmax(error, fabs(dx - expected[i]));
+  }
+  CHECK(size > 1e-6);
+  // the residual is below the tolerance; the solution is off by at most the condition, here 1e4
+  CHECK_NEAR(error / size, 0, PRECISION[0] == 'f' ? 1e-2 : 1e-6);
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
+static int pcg_solves_what_a_dense_cholesky_solves(void)
+{
+  return solution("cpu", "block_jacobi") || solution("cpu", "two_level") ||
+         solution("cpu,cpu,cpu", "two_level");
+}
+
+// the residual that the report names, worked out with the dense matrix
+static int reported_residual_is_that_of_the_solution(void)
+{
+  cloth_def *def = def_of("cpu", "1e-2", "block_jacobi");
+  cloth_sim *sim = sim_of(def);
+  write_out(sim);
+  double rr = 0, bb = 0;
+  for (int i = 0; i < DOFS; i++) {
+    if (!is_free(sim, i)) continue;
+    double r = b[i];
+    for (int j = 0; j < DOFS; j++) r -= A[i][j] * (double)sim->part[0].dx[j];
+    rr += r * r, bb += b[i] * b[i];
+  }
+  CHECK(report.pcg_residual > 0 && report.pcg_residual <= 1e-2 * (1 + 1e-3));
+  CHECK_NEAR(report.pcg_residual, sqrt(rr / bb), 1e-4); // float sums of 500 squares
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
+static int parts_solve_to_the_same_bits(void)
+{
+  static const char *const devices[] = {"cpu", "cpu,cpu", "cpu,cpu,cpu", "cpu,cpu,cpu,cpu"};
+  static cloth_real first[DOFS];
+  for (int i = 0; i < 4; i++) {
+    cloth_def *def = def_of(devices[i], "1e-2", "two_level");
+    cloth_sim *sim = sim_of(def);
+    if (i == 0) memcpy(first, sim->part[0].dx, sizeof first);
+    for (int p = 0; p < sim->part_count; p++)
+      CHECK(memcmp(first, sim->part[p].dx, sizeof first) == 0);
+    cloth_sim_free(sim), cloth_def_free(def);
+  }
+  return 0;
+}
+
+int main(int argc, char **argv)
+{
+  int failures = 0;
+  RUN(pcg_solves_what_a_dense_cholesky_solves);
+  RUN(reported_residual_is_that_of_the_solution);
+  RUN(parts_solve_to_the_same_bits);
+  return failures > 0;
+}

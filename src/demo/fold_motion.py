@@ -90,13 +90,13 @@ class FoldMotion:
         self.done = rospy.Publisher('~done', Bool, queue_size=1, latch=True)
         self.spoken = None
 
-    def send_base(self):
+    def base_transform(self):
         t = TransformStamped()
         t.header.stamp, t.header.frame_id, t.child_frame_id = rospy.Time.now(), self.world, self.root
         at, turn = t.transform.translation, t.transform.rotation
         at.x, at.y, at.z = (self.base[i][3] for i in range(3))
         turn.x, turn.y, turn.z, turn.w = arm.quaternion(self.base)
-        self.tf.publish(TFMessage([t]))
+        return t
 
     def say(self, name):
         if name != self.spoken:
@@ -132,7 +132,7 @@ class FoldMotion:
             time.sleep(PERIOD / 4)
 
     def run(self):
-        self.send_base()
+        self.tf.publish(TFMessage([self.base_transform()]))
         self.done.publish(False)
         waiting = self.wait_for_node()
         start = None

@@ -27,6 +27,7 @@ import rospy  # noqa: E402
 import yaml  # noqa: E402
 from sensor_msgs.msg import JointState  # noqa: E402
 from std_msgs.msg import String  # noqa: E402
+from tf2_msgs.msg import TFMessage  # noqa: E402
 from robot_cloth.msg import Topology  # noqa: E402
 from robot_cloth.srv import GetState, Step  # noqa: E402
 
@@ -94,7 +95,7 @@ class FoldSteps(fold_motion.FoldMotion):
         return message
 
     def run(self):
-        self.send_base()
+        self.tf.publish(TFMessage([self.base_transform()]))
         self.done.publish(False)
         rospy.wait_for_service(self.node + '/step', 60)
         step = rospy.ServiceProxy(self.node + '/step', Step, persistent=True)
@@ -106,7 +107,8 @@ class FoldSteps(fold_motion.FoldMotion):
                 return
             t = (i * self.time_step - self.settle) * self.speed
             joints = self.path.positions(t)
-            answer = step(steps=1, joints=self.show(joints))
+            # frames are kept by the node; with the request they cannot come late, as /tf_static can
+            answer = step(steps=1, joints=self.show(joints), frames=[self.base_transform()] if i == 1 else [])
             if not answer.success:
                 raise RuntimeError('step %d: %s' % (i, answer.message))
             self.say(self.path.segment_at(t)[0].name if 0 <= t <= self.path.duration else 'home')

@@ -25,15 +25,15 @@ FOLD = dict(
     laid_half_gap=0.014,  # to let go: little, for the lower finger is between two layers
     grasp_height=-0.008,  # of the tool over the table top; the overhanging corner droops
     laid_height=0.025,    # of the tool over the table top when letting go
-    laid_short=0.001,     # how much earlier than the far edge the edge comes down
+    laid_beyond=0.004,    # how far beyond the far edge the edge is laid down; it draws back when let go
     arc_height=0.200,     # of the swing over the line from grasp to lay down: less than half the towel
     arc_shape=1.4,        # of the swing: 1 is half an ellipse, 2 a parabola
     arc_hang=0.5,         # how long the gripper stays turned by about pi / 2, where the cloth hangs; 0 to 1
     slack=0.005,          # grippers come closer to each other by this much after the grasp, each
     home_y=0.40, home_height=0.16,
     retract_y=0.36,
-    speed_free=0.35, speed_reach=0.15, speed_fingers=0.05, speed_lift=0.30, speed_swing=0.60,
-    speed_lay=0.12, speed_retract=0.08,
+    speed_free=0.35, speed_reach=0.15, speed_fingers=0.05, speed_lift=0.30, speed_swing=0.55,
+    speed_lay=0.15, speed_retract=0.08,
     settle=0.4,
     shortest=0.3,         # duration of a segment, s
 )
@@ -77,7 +77,7 @@ class FoldPath:
         home = grasp._replace(y=n['home_y'], z=task.table_z + n['home_height'])
         held = grasp._replace(half_gap=n['held_half_gap'])
         taut = held._replace(y=y - n['slack'])
-        laid = taut._replace(x=task.far_x - n['inset_x'] - n['laid_short'], z=task.table_z + n['laid_height'],
+        laid = taut._replace(x=task.far_x - n['inset_x'] + n['laid_beyond'], z=task.table_z + n['laid_height'],
                              roll=math.pi)
         opened = laid._replace(half_gap=n['laid_half_gap'])
         out = opened._replace(y=n['retract_y'])
@@ -101,7 +101,7 @@ class FoldPath:
         wait('hold')
         go('gather', taut, n['speed_lay'])
         self.arc_ends = (taut, laid)
-        lift_end, swing_end = 0.30, 0.86
+        lift_end, swing_end = 0.28, 0.80
         for name, speed, share in (('lift', n['speed_lift'], (0.0, lift_end)),
                                    ('swing', n['speed_swing'], (lift_end, swing_end)),
                                    ('lay', n['speed_lay'], (swing_end, 1.0))):

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Renders the demo in RViz to PNGs, without a display: Xvfb and software GL.
+# Renders the demo in RViz to PNGs and one sheet of them (fold.png), without a display: Xvfb and software GL.
 #   picture.sh BUILD_OR_INSTALL_FOLDER OUT_FOLDER [NAME:SEGMENT:SHARE ...]
 # The fold runs step by step and holds still at each moment, so the speed of the machine shows in nothing.
 # Own X display and own ROS master; every process is ended by its own pid.
@@ -10,14 +10,14 @@ mkdir -p "$2"
 out=$(cd "$2" && pwd)
 shift 2
 moments=("$@")
-[ ${#moments[@]} -gt 0 ] || moments=(grasp:hold:0.9 lift:lift:1.0 swing:swing:0.62 laid:rest:0.9 folded:return:1.0)
+[ ${#moments[@]} -gt 0 ] || moments=(grasp:hold:0.9 lift:lift:1.0 swing:swing:0.34 over:swing:0.62 laid:rest:0.9 folded:return:1.0)
 
 if [ -z "${PICTURE_INSIDE:-}" ]; then
   PICTURE_INSIDE=1 exec "$here/with_ros.sh" "$build" "$here/picture.sh" "$build" "$out" "${moments[@]}"
 fi
 
 log=$(mktemp -d)
-pids=()
+pids=() shots=()
 bg() { # name, command...
   local name=$1
   shift
@@ -101,5 +101,8 @@ for moment in "${moments[@]}"; do
   convert "$log/shot.png" -crop "${CROP:-1720x940+100+80}" +repage -strip "$out/$name.png"
   echo "$out/$name.png"
   rosparam set /fold_motion/seen "$name"
+  shots+=("$out/$name.png")
 done
+# all of them on one sheet, in three columns, in the order of the story
+montage "${shots[@]}" -tile 3x -geometry 800x437+3+3 -background white -strip "$out/fold.png" && echo "$out/fold.png"
 exit 0

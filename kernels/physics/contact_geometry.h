@@ -11,6 +11,8 @@ typedef struct cloth_contact_scene {
   int cloth_vertices;              // vertices from here on belong to bodies
   const int *triangle;             // [triangles x 3]
   const int *edge;                 // [edges x 2]
+  const int *triangle_edge;        // [triangles x 3] edge k joins corners k and k + 1
+  const int *edge_side;            // [edges x 2] the triangles on it; -1: none
   const cloth_real *x_t0;          // [vertices x 3] m, start of the substep
   const cloth_real *x;             // [vertices x 3] m, predicted or solved end
   const cloth_real *x_pred;        // [cloth vertices x 3] m, where inertia and gravity alone lead
@@ -131,4 +133,37 @@ CLOTH_FN cloth_real cloth_contact_thickness(const cloth_contact_scene *s,
   cloth_contact_measure(s->rest, &rest);
   cloth_real t = rest.distance * (cloth_real)0.7, least = s->thickness * (cloth_real)0.05;
   return t < least ? least : t < s->thickness ? t : s->thickness;
+}
+
+// squared distance of vertex v from triangle t
+CLOTH_FN cloth_real cloth_contact_distance_sq(const cloth_contact_scene *s, int v, int t)
+{
+  const int *c = s->triangle + 3 * t;
+  cloth_v3 o = cloth_v3_load(s->x_t0, v);
+  cloth_real bary[3];
+  return cloth_distance_vertex_face_sq(cloth_v3_make(0, 0, 0),
+                                       cloth_v3_sub(cloth_v3_load(s->x_t0, c[0]), o),
+                                       cloth_v3_sub(cloth_v3_load(s->x_t0, c[1]), o),
+                                       cloth_v3_sub(cloth_v3_load(s->x_t0, c[2]), o), bary);
+}
+
+/// Is a vertex-face pair whose closest point lies on an edge of the face better told by the face
+/// across that edge? Otherwise a flat surface pushes sideways along its own seams, and many times
+/// over.
+CLOTH_FN int cloth_contact_told_across(const cloth_contact_scene *s,
+                                       const cloth_contact_geometry *g, int face)
+{
+  int v = g->vertex[0];
+  for (int k = 0; k < 3; k++) {
+    if (g->weight[1 + k] < 0) continue; // not on the edge across from corner k
+    int e = s->triangle_edge[3 * face + (k + 1) % 3];
+    int other = s->edge_side[2 * e] == face ? s->edge_side[2 * e + 1] : s->edge_side[2 * e];
+    if (other < 0) continue;
+    const int *c = s->triangle + 3 * other;
+    if (c[0] == v || c[1] == v || c[2] == v) continue;
+    cloth_real here = cloth_contact_distance_sq(s, v, face),
+               there = cloth_contact_distance_sq(s, v, other);
+    if (there < here || (!(here < there) && other < face)) return 1;
+  }
+  return 0;
 }

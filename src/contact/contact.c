@@ -23,6 +23,8 @@ cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_par
   cloth_contact_scene s = {.cloth_vertices = sim->vertex_count,
                            .triangle = p->triangle,
                            .edge = p->edge,
+                           .triangle_edge = p->triangle_edge,
+                           .edge_side = p->edge_side,
                            .x_t0 = p->x_t0,
                            .x = p->x,
                            .x_pred = p->x_pred,

@@ -108,6 +108,8 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
   CLOTH_TRY(cloth_upload(sim, p, "owns", sim->owns, sizeof(int) * t, &p->owns, err));
   CLOTH_TRY(cloth_upload(sim, p, "edge", sim->edge, sizeof(int) * 2 * (size_t)sim->all_edges,
                          &p->edge, err));
+  CLOTH_TRY(cloth_upload(sim, p, "edge_side", sim->edge_side,
+                         sizeof(int) * 2 * (size_t)sim->all_edges, &p->edge_side, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
   CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 8, &p->counter, err));
@@ -206,8 +208,8 @@ void cloth_sim_free(void *data)
   free(sim->cloth_first), free(sim->triangle_first), free(sim->order), free(sim->internal);
   free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
       free(sim->owns);
-  free(sim->hinge), free(sim->hinge_triangle), free(sim->rest), free(sim->mass), free(sim->host),
-      free(sim->held_index);
+  free(sim->edge_side), free(sim->hinge), free(sim->hinge_triangle), free(sim->rest),
+      free(sim->mass), free(sim->host), free(sim->held_index);
   free(sim);
 }
 

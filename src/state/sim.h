@@ -79,7 +79,7 @@ typedef struct cloth_part {
   cloth_real *stretch, *stretch_largest; // [membrane.count], [chunks]
 
   // pairs
-  int *triangle, *triangle_edge, *owns, *edge; // of all cloth and bodies
+  int *triangle, *triangle_edge, *owns, *edge, *edge_side; // of all cloth and bodies
   cloth_real *vertex_box, *triangle_box;       // [all x 6] m
   int *body_triangle;                          // triangles of near bodies
   uint32_t *cells;                             // [active + 1]
@@ -162,6 +162,7 @@ struct cloth_sim {
   int *triangle_order; // [triangle_count] file order within the cloth, by internal triangle
   int *triangle;       // [all_triangles x 3]
   int *edge;           // [all_edges x 2]
+  int *edge_side;       // [all_edges x 2] triangles on it, lowest first; -1: none
   int *triangle_edge;  // [all_triangles x 3]
   int *owns;           // [all_triangles]
   int *hinge;          // [hinge_count x 4] the shared edge, then the corners across from it

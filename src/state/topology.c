@@ -47,6 +47,8 @@ static void number_edges(cloth_sim *sim, const edge_list *l)
     for (j = i + 1; j < l->count && l->key[j] == l->key[i];) j++;
     int e = sim->all_edges++, a = (int)(l->key[i] >> 32), b = (int)(l->key[i] & 0xffffffffu);
     sim->edge[2 * e] = a, sim->edge[2 * e + 1] = b;
+    sim->edge_side[2 * e] = (int)(l->value[i] / 3);
+    sim->edge_side[2 * e + 1] = j - i > 1 ? (int)(l->value[i + 1] / 3) : -1;
     for (int k = i; k < j; k++) sim->triangle_edge[l->value[k]] = e;
     sim->owns[l->value[i] / 3] |= 1 << (3 + l->value[i] % 3); // the sort is stable: lowest triangle
     if (a >= sim->vertex_count) continue;
@@ -79,11 +81,13 @@ cloth_status cloth_topology_build(cloth_sim *sim, cloth_error *err)
 {
   size_t n = 3 * (size_t)sim->all_triangles;
   sim->edge = malloc(sizeof(int) * (2 * n + 2));
+  sim->edge_side = malloc(sizeof(int) * (2 * n + 2));
   sim->triangle_edge = malloc(sizeof(int) * (n + 1));
   sim->owns = calloc((size_t)sim->all_triangles + 1, sizeof(int));
   sim->hinge = malloc(sizeof(int) * (2 * n + 4));
   sim->hinge_triangle = malloc(sizeof(int) * (n + 1));
-  if (!sim->hinge_triangle || !sim->edge || !sim->triangle_edge || !sim->owns || !sim->hinge)
+  if (!sim->edge_side || !sim->hinge_triangle || !sim->edge || !sim->triangle_edge || !sim->owns ||
+      !sim->hinge)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "topology of %d triangles", sim->all_triangles);
   edge_list l = {0};
   cloth_status status = edge_list_make(sim, &l, err);

@@ -104,5 +104,6 @@ for moment in "${moments[@]}"; do
   shots+=("$out/$name.png")
 done
 # all of them on one sheet, in three columns, in the order of the story
-montage "${shots[@]}" -tile 3x -geometry 800x437+3+3 -background white -strip "$out/fold.png" && echo "$out/fold.png"
+montage "${shots[@]}" -tile 3x -geometry 800x437+3+3 -background white miff:- |
+  convert - -strip -dither FloydSteinberg -colors 256 "PNG8:$out/fold.png" && echo "$out/fold.png"
 exit 0

@@ -283,6 +283,7 @@ static cloth_status arrive(cloth_sim *sim, cloth_error *err)
       continue;
     }
     h->alive = false, broken = true;
+    if (h->pin >= 0) sim->pin_broken[h->pin] = 1;
     sim->report->grasps_broken++;
   }
   return broken ? cloth_holds_refresh(sim, err) : CLOTH_OK;

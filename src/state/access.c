@@ -95,6 +95,7 @@ cloth_status cloth_sim_reset(void *data, cloth_error *err)
     sim->body[b].now = sim->body[b].target = cloth_motion_at(&d->motion, d->pose, 0);
     sim->body[b].told = false;
   }
+  memset(sim->pin_broken, 0, (size_t)sim->def->pin_count);
   for (int h = 0; h < sim->hold_count; h++) sim->hold[h].alive = false;
   CLOTH_TRY(cloth_holds_refresh(sim, err));
   return cloth_pins_update(sim, 0, err);

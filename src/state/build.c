@@ -204,7 +204,7 @@ void cloth_sim_free(void *data)
   for (int h = 0; h < sim->hold_capacity; h++) {
     free(sim->hold[h].vertex), free(sim->hold[h].local), free(sim->hold[h].ignore);
   }
-  free(sim->hold), free(sim->body), free(sim->mean_velocity), free(sim->acceleration);
+  free(sim->hold), free(sim->body), free(sim->pin_broken), free(sim->mean_velocity), free(sim->acceleration);
   free(sim->cloth_first), free(sim->triangle_first), free(sim->order), free(sim->internal);
   free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
       free(sim->owns);

@@ -352,7 +352,7 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err)
   for (int i = 0; i < sim->def->pin_count; i++) {
     const cloth_pin_def *pin = &sim->def->pin[i];
     cloth_hold_state *h = hold_of_pin(sim, i);
-    bool wanted = sim->time >= pin->start && sim->time < pin->end;
+    bool wanted = sim->time >= pin->start && sim->time < pin->end && !sim->pin_broken[i];
     if (wanted && h == NULL) {
       CLOTH_TRY(pin_start(sim, i, err));
       h = hold_of_pin(sim, i);

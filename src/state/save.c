@@ -9,14 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char MAGIC[8] = "CLOTHST4";
+static const char MAGIC[8] = "CLOTHST5";
 
 typedef struct file_header {
   char magic[8];
   uint64_t mesh; // digest of vertices and triangles
   double time;
   int64_t step;
-  int32_t real_bytes, vertices, bodies, holds, cloths, mean_known;
+  int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, pad;
   uint64_t body_bytes; // bytes after the vectors
 } file_header;
 
@@ -108,8 +108,10 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x)
   head.real_bytes = sizeof(cloth_real), head.vertices = sim->vertex_count;
   head.bodies = sim->def->body_count, head.holds = sim->hold_count;
   head.cloths = sim->def->cloth_count, head.mean_known = sim->mean_known;
+  head.pins = sim->def->pin_count;
   put(w, &head, sizeof head);
   put(w, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
+  put(w, sim->pin_broken, (size_t)sim->def->pin_count);
   put(w, sim->mean_velocity, sizeof(double) * 3 * (size_t)sim->def->cloth_count);
   put(w, sim->acceleration, sizeof(double) * 3 * (size_t)sim->def->cloth_count);
   for (int b = 0; b < sim->def->body_count; b++) {
@@ -193,7 +195,8 @@ static cloth_status check_header(const cloth_sim *sim, const char *path, const u
                h.real_bytes == 4 ? "float" : "double",
                sizeof(cloth_real) == 4 ? "float" : "double");
   if (h.vertices != sim->vertex_count || h.mesh != mesh_digest(sim) ||
-      h.bodies != sim->def->body_count || h.cloths != sim->def->cloth_count)
+      h.bodies != sim->def->body_count || h.cloths != sim->def->cloth_count ||
+      h.pins != sim->def->pin_count)
     CLOTH_FAIL(err, CLOTH_BAD_STATE,
                "%s is of another scene: %d vertices and %d bodies, this has %d and %d%s", path,
                h.vertices, h.bodies, sim->vertex_count, sim->def->body_count,
@@ -249,10 +252,12 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   memcpy(&head, take(&r, sizeof head), sizeof head);
   size_t n = 3 * (size_t)sim->vertex_count, bytes = sizeof(cloth_real) * n;
   const unsigned char *x = take(&r, 2 * bytes);
+  const void *broken = take(&r, (size_t)head.pins);
   size_t means = sizeof(double) * 3 * (size_t)sim->def->cloth_count;
   const void *mean = take(&r, means), *acceleration = take(&r, means);
   const void *body = take(&r, sizeof(file_body) * (size_t)head.bodies);
-  if (x == NULL || mean == NULL || acceleration == NULL || (body == NULL && head.bodies > 0))
+  if (x == NULL || broken == NULL || mean == NULL || acceleration == NULL ||
+      (body == NULL && head.bodies > 0))
     CLOTH_FAIL(err, CLOTH_BAD_STATE, "the state file is too short");
 
   int held = 0;
@@ -269,6 +274,7 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
     memcpy(&f, (const char *)body + sizeof f * (size_t)b, sizeof f);
     sim->body[b].now = f.now, sim->body[b].target = f.target, sim->body[b].told = f.told;
   }
+  memcpy(sim->pin_broken, broken, (size_t)head.pins);
   memcpy(sim->mean_velocity, mean, means), memcpy(sim->acceleration, acceleration, means);
   sim->mean_known = head.mean_known;
   sim->time = head.time, sim->step = head.step;

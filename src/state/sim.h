@@ -172,6 +172,7 @@ struct cloth_sim {
   double mean_edge;    // m
 
   cloth_body *body;
+  unsigned char *pin_broken; // [pins] 1: pulled off, does not come back before a reset
   int *held_index; // [held_capacity] internal vertices held now, hold by hold
   cloth_hold_state *hold;
   int hold_count, hold_capacity, held_count, held_capacity, compliant_count;

@@ -9,6 +9,13 @@ enum { SHEET_MAX = 41 * 41, SOLID_MAX = 2000 };
 
 #define G 9.81 // m/s^2, the default gravity
 
+// A failed CHECK leaves its scene behind, and the leak check ends the program before buffers are
+// written: lines go out as they come.
+__attribute__((constructor)) static void write_lines_at_once(void)
+{
+  setvbuf(stdout, NULL, _IOLBF, 0);
+}
+
 // ---- meshes -------------------------------------------------------------------------------------
 
 /// A flat sheet in z = 0 around the origin; vertex row * columns + column, rows along y.

@@ -77,7 +77,7 @@ static int tables_hold_the_defaults_of_the_structs(void)
     for (int c = 0; c < (p->kind == CLOTH_IS_VECTOR ? 3 : 1); c++)
       CHECK(field(p, &params, c) == p->value[c]);
   CHECK(count > 20);
-  CHECK(params.gravity[2] == -9.81 && params.newton_iterations_max == 2 &&
+  CHECK(params.gravity[2] == -9.81 && params.newton_iterations_max == 3 &&
         params.thickness == 3e-3);
   return 0;
 }

@@ -70,9 +70,9 @@ def arm_link(length, radius0, radius1, thickness, bevel, segments):
 
 
 def finger():
-    """A finger along +x; the pad is the plane z = 0 from x = 0.040 to x = 0.072, outside is +z.
+    """A finger along +x; the pad is the plane z = 0 from x = 0.040 to x = 0.070, outside is +z.
 
-    Its inner edges are bevelled so that cloth bends around them.
+    Its inner edges are bevelled and its tip is short, so that cloth bends around them.
     """
     def ring(x, low, high, half_width, bevel):
         return [(x, y, z) for y, z in (
@@ -80,8 +80,8 @@ def finger():
             (half_width - bevel, high), (bevel - half_width, high), (-half_width, high - bevel),
             (-half_width, low + bevel), (bevel - half_width, low))]
     return loft([ring(0.000, 0.004, 0.022, 0.014, 0.002), ring(0.032, 0.004, 0.017, 0.016, 0.002),
-                 ring(0.040, 0.000, 0.014, 0.016, 0.003), ring(0.072, 0.000, 0.010, 0.016, 0.003),
-                 ring(0.077, 0.003, 0.007, 0.012, 0.001)])
+                 ring(0.040, 0.000, 0.014, 0.016, 0.003), ring(0.070, 0.000, 0.010, 0.016, 0.003),
+                 ring(0.0745, 0.0035, 0.007, 0.012, 0.001)])
 
 
 def rounded_box(size, radius, segments):

@@ -45,6 +45,8 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
 {
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
+  cloth_pair pair = cloth_pair_unpack(s->format, a->pair[i]);
+  if (cloth_contact_on_seam(s, pair)) return;
   cloth_pair_vertices(s, a->pair[i], &g);
   if (!cloth_pair_near(s, &g, s->thickness + s->reach)) return;
   cloth_contact_measure(s->x_t0, &g);
@@ -56,9 +58,7 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
   nearest = ahead < nearest ? ahead : nearest;
   if (!(nearest < s->thickness) || cloth_contact_ignored(s, &g)) return;
   if (!(nearest < cloth_contact_thickness(s, &g))) return;
-  if (g.type == CLOTH_VERTEX_FACE &&
-      cloth_contact_told_across(s, &g, cloth_pair_unpack(s->format, a->pair[i]).b))
-    return;
+  if (g.type == CLOTH_VERTEX_FACE && cloth_contact_told_across(s, &g, pair.b)) return;
   uint32_t at = cloth_atomic_add(a->count, 1);
   if (at < a->capacity) a->contact[at] = a->pair[i];
 }

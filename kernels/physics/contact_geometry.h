@@ -8,19 +8,21 @@
 #include "pair_key.h"
 
 typedef struct cloth_contact_scene {
-  int cloth_vertices;              // vertices from here on belong to bodies
-  const int *triangle;             // [triangles x 3]
-  const int *edge;                 // [edges x 2]
-  const int *triangle_edge;        // [triangles x 3] edge k joins corners k and k + 1
-  const int *edge_side;            // [edges x 2] the triangles on it; -1: none
-  const cloth_real *x_t0;          // [vertices x 3] m, start of the substep
-  const cloth_real *x;             // [vertices x 3] m, predicted or solved end
-  const cloth_real *x_pred;        // [cloth vertices x 3] m, where inertia and gravity alone lead
-  const cloth_real *rest;          // [cloth vertices x 3] m, rest shape
-  const cloth_real *free;          // [cloth vertices] 1: moves, 0: held rigidly
-  const cloth_real *mass;          // [cloth vertices] kg
-  const int *cloth_of;             // [cloth vertices] index of the cloth
-  const int *body_of;              // [body vertices] index of the body
+  int cloth_vertices;       // vertices from here on belong to bodies
+  const int *triangle;      // [triangles x 3]
+  const int *edge;          // [edges x 2]
+  const int *triangle_edge; // [triangles x 3] edge k joins corners k and k + 1
+  const int *edge_side;     // [edges x 2] the triangles on it; -1: none
+  const unsigned char
+      *edge_flat;           // [edges] 1: a seam between two faces of a body that lie in one plane
+  const cloth_real *x_t0;   // [vertices x 3] m, start of the substep
+  const cloth_real *x;      // [vertices x 3] m, predicted or solved end
+  const cloth_real *x_pred; // [cloth vertices x 3] m, where inertia and gravity alone lead
+  const cloth_real *rest;   // [cloth vertices x 3] m, rest shape
+  const cloth_real *free;   // [cloth vertices] 1: moves, 0: held rigidly
+  const cloth_real *mass;   // [cloth vertices] kg
+  const int *cloth_of;      // [cloth vertices] index of the cloth
+  const int *body_of;       // [body vertices] index of the body
   const cloth_real *body_friction; // [bodies]
   const int *grasp_of;             // [cloth vertices] 0: none, else 1 + grasp
   const unsigned char
@@ -145,6 +147,13 @@ CLOTH_FN cloth_real cloth_contact_distance_sq(const cloth_contact_scene *s, int 
                                        cloth_v3_sub(cloth_v3_load(s->x_t0, c[0]), o),
                                        cloth_v3_sub(cloth_v3_load(s->x_t0, c[1]), o),
                                        cloth_v3_sub(cloth_v3_load(s->x_t0, c[2]), o), bary);
+}
+
+/// Is an edge-edge pair told by vertex-face pairs alone? It is on a seam inside a flat face of a
+/// body: a straight edge is nearest to a plane at one of its ends.
+CLOTH_FN int cloth_contact_on_seam(const cloth_contact_scene *s, cloth_pair p)
+{
+  return p.type == CLOTH_EDGE_EDGE && (s->edge_flat[p.a] || s->edge_flat[p.b]);
 }
 
 /// Is a vertex-face pair whose closest point lies on an edge of the face better told by the face

@@ -110,6 +110,8 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
                          &p->edge, err));
   CLOTH_TRY(cloth_upload(sim, p, "edge_side", sim->edge_side,
                          sizeof(int) * 2 * (size_t)sim->all_edges, &p->edge_side, err));
+  CLOTH_TRY(cloth_upload(sim, p, "edge_flat", sim->edge_flat, (size_t)sim->all_edges, &p->edge_flat,
+                         err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
   CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 8, &p->counter, err));
@@ -204,12 +206,13 @@ void cloth_sim_free(void *data)
   for (int h = 0; h < sim->hold_capacity; h++) {
     free(sim->hold[h].vertex), free(sim->hold[h].local), free(sim->hold[h].ignore);
   }
-  free(sim->hold), free(sim->body), free(sim->pin_broken), free(sim->mean_velocity), free(sim->acceleration);
+  free(sim->hold), free(sim->body), free(sim->pin_broken), free(sim->mean_velocity),
+      free(sim->acceleration);
   free(sim->cloth_first), free(sim->triangle_first), free(sim->order), free(sim->internal);
   free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
       free(sim->owns);
-  free(sim->edge_side), free(sim->hinge), free(sim->hinge_triangle), free(sim->rest),
-      free(sim->mass), free(sim->host), free(sim->held_index);
+  free(sim->edge_side), free(sim->edge_flat), free(sim->hinge), free(sim->hinge_triangle),
+      free(sim->rest), free(sim->mass), free(sim->host), free(sim->held_index);
   free(sim);
 }
 

@@ -237,9 +237,9 @@ static cloth_status take_arrays(cloth_sim *sim, cloth_error *err)
   sim->mean_velocity = calloc(3 * (size_t)d->cloth_count + 1, sizeof(double));
   sim->acceleration = calloc(3 * (size_t)d->cloth_count + 1, sizeof(double));
   sim->pin_broken = calloc((size_t)d->pin_count + 1, 1);
-  if (!sim->pin_broken || !sim->mean_velocity || !sim->acceleration || !sim->cloth_first || !sim->triangle_first ||
-      !sim->order || !sim->internal || !sim->triangle_order || !sim->triangle || !sim->rest ||
-      !sim->mass || !sim->body)
+  if (!sim->pin_broken || !sim->mean_velocity || !sim->acceleration || !sim->cloth_first ||
+      !sim->triangle_first || !sim->order || !sim->internal || !sim->triangle_order ||
+      !sim->triangle || !sim->rest || !sim->mass || !sim->body)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "scene of %d vertices", sim->all_vertices);
   for (int c = 0; c < d->cloth_count; c++) {
     sim->cloth_first[c + 1] = sim->cloth_first[c] + d->cloth[c].mesh.vertex_count;

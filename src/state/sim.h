@@ -79,10 +79,11 @@ typedef struct cloth_part {
   cloth_real *stretch, *stretch_largest; // [membrane.count], [chunks]
 
   // pairs
-  int *triangle, *triangle_edge, *owns, *edge, *edge_side; // of all cloth and bodies
-  cloth_real *vertex_box, *triangle_box;       // [all x 6] m
-  int *body_triangle;                          // triangles of near bodies
-  uint32_t *cells;                             // [active + 1]
+  int *triangle, *triangle_edge, *owns, *edge, *edge_side;
+  unsigned char *edge_flat;              // of all cloth and bodies
+  cloth_real *vertex_box, *triangle_box; // [all x 6] m
+  int *body_triangle;                    // triangles of near bodies
+  uint32_t *cells;                       // [active + 1]
   uint64_t *cell_key, *cell_key_spare;
   uint32_t *cell_triangle, *cell_triangle_spare, *work, *large;
   uint64_t *pair;
@@ -154,26 +155,27 @@ struct cloth_sim {
   int edge_count, all_edges;
   int hinge_count;
   int chunks;
-  int aggregates;       // of the coarse level; 0: none
-  int *cloth_first;    // [cloths + 1] first internal vertex
-  int *triangle_first; // [cloths + 1]
-  int *order;          // [vertex_count] file order within the cloth, by internal vertex
-  int *internal;       // [vertex_count] internal vertex, by cloth_first + file order
-  int *triangle_order; // [triangle_count] file order within the cloth, by internal triangle
-  int *triangle;       // [all_triangles x 3]
-  int *edge;           // [all_edges x 2]
-  int *edge_side;       // [all_edges x 2] triangles on it, lowest first; -1: none
-  int *triangle_edge;  // [all_triangles x 3]
-  int *owns;           // [all_triangles]
-  int *hinge;          // [hinge_count x 4] the shared edge, then the corners across from it
-  int *hinge_triangle; // [hinge_count] one of its two triangles
-  double *rest;        // [vertex_count x 3] m, scene frame at the start
-  double *mass;        // [vertex_count] kg
-  double mean_edge;    // m
+  int aggregates;           // of the coarse level; 0: none
+  int *cloth_first;         // [cloths + 1] first internal vertex
+  int *triangle_first;      // [cloths + 1]
+  int *order;               // [vertex_count] file order within the cloth, by internal vertex
+  int *internal;            // [vertex_count] internal vertex, by cloth_first + file order
+  int *triangle_order;      // [triangle_count] file order within the cloth, by internal triangle
+  int *triangle;            // [all_triangles x 3]
+  int *edge;                // [all_edges x 2]
+  int *edge_side;           // [all_edges x 2] triangles on it, lowest first; -1: none
+  unsigned char *edge_flat; // [all_edges] 1: between two faces of a body that lie in one plane
+  int *triangle_edge;       // [all_triangles x 3]
+  int *owns;                // [all_triangles]
+  int *hinge;               // [hinge_count x 4] the shared edge, then the corners across from it
+  int *hinge_triangle;      // [hinge_count] one of its two triangles
+  double *rest;             // [vertex_count x 3] m, scene frame at the start
+  double *mass;             // [vertex_count] kg
+  double mean_edge;         // m
 
   cloth_body *body;
   unsigned char *pin_broken; // [pins] 1: pulled off, does not come back before a reset
-  int *held_index; // [held_capacity] internal vertices held now, hold by hold
+  int *held_index;           // [held_capacity] internal vertices held now, hold by hold
   cloth_hold_state *hold;
   int hold_count, hold_capacity, held_count, held_capacity, compliant_count;
   cloth_key_format format;
@@ -190,9 +192,10 @@ struct cloth_sim {
   // time
   double time, time_t0;
   int64_t step;
-  double h;          // s, of this substep
-  int iteration;     // Newton iteration of this substep
-  double *mean_velocity, *acceleration; // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
+  double h;      // s, of this substep
+  int iteration; // Newton iteration of this substep
+  double *mean_velocity,
+      *acceleration; // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
   bool mean_known;   // mean_velocity is that of the state
   double speed_last; // m/s, fastest vertex of the last substep
   double damping_h;  // s, step for which the damping numbers are set
@@ -269,7 +272,7 @@ cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *
 
 void cloth_guess_free_fall(cloth_sim *sim); // after anything but a step changed the state
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
-cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err); // box of x_t0 and x, all cloth
+cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err);    // box of x_t0 and x, all cloth
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err); // now, whatever is known already

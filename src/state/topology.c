@@ -65,6 +65,41 @@ static void number_edges(cloth_sim *sim, const edge_list *l)
   }
 }
 
+// where a vertex of a body lies in its frame
+static const double *body_point(const cloth_sim *sim, int body, int v)
+{
+  return sim->def->body[body].mesh.position + 3 * (v - sim->body[body].vertex_first);
+}
+
+static void body_normal(const cloth_sim *sim, int body, int t, double n[3])
+{
+  const double *a = body_point(sim, body, sim->triangle[3 * t]);
+  const double *b = body_point(sim, body, sim->triangle[3 * t + 1]);
+  const double *c = body_point(sim, body, sim->triangle[3 * t + 2]);
+  double u[3], v[3];
+  for (int k = 0; k < 3; k++) u[k] = b[k] - a[k], v[k] = c[k] - a[k];
+  for (int k = 0; k < 3; k++)
+    n[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+}
+
+// the angle between two faces is below 1e-5 rad: what is left of a plane after a file in float
+static void mark_flat_edges(cloth_sim *sim)
+{
+  for (int e = sim->edge_count, body = 0; e < sim->all_edges; e++) {
+    while (sim->edge[2 * e] >= sim->body[body].vertex_first + sim->body[body].vertex_count) body++;
+    const int *side = sim->edge_side + 2 * e;
+    if (side[1] < 0) continue;
+    double m[3], n[3], mm = 0, nn = 0, mn = 0, cross_sq = 0;
+    body_normal(sim, body, side[0], m);
+    body_normal(sim, body, side[1], n);
+    for (int k = 0; k < 3; k++) {
+      double c = m[(k + 1) % 3] * n[(k + 2) % 3] - m[(k + 2) % 3] * n[(k + 1) % 3];
+      mm += m[k] * m[k], nn += n[k] * n[k], mn += m[k] * n[k], cross_sq += c * c;
+    }
+    sim->edge_flat[e] = mn > 0 && cross_sq <= 1e-10 * mm * nn;
+  }
+}
+
 static void own_vertices(cloth_sim *sim)
 {
   unsigned char *taken = calloc((size_t)sim->all_vertices + 1, 1);
@@ -81,18 +116,20 @@ cloth_status cloth_topology_build(cloth_sim *sim, cloth_error *err)
 {
   size_t n = 3 * (size_t)sim->all_triangles;
   sim->edge = malloc(sizeof(int) * (2 * n + 2));
+  sim->edge_flat = calloc(n + 1, 1);
   sim->edge_side = malloc(sizeof(int) * (2 * n + 2));
   sim->triangle_edge = malloc(sizeof(int) * (n + 1));
   sim->owns = calloc((size_t)sim->all_triangles + 1, sizeof(int));
   sim->hinge = malloc(sizeof(int) * (2 * n + 4));
   sim->hinge_triangle = malloc(sizeof(int) * (n + 1));
-  if (!sim->edge_side || !sim->hinge_triangle || !sim->edge || !sim->triangle_edge || !sim->owns ||
-      !sim->hinge)
+  if (!sim->edge_flat || !sim->edge_side || !sim->hinge_triangle || !sim->edge ||
+      !sim->triangle_edge || !sim->owns || !sim->hinge)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "topology of %d triangles", sim->all_triangles);
   edge_list l = {0};
   cloth_status status = edge_list_make(sim, &l, err);
   if (status == CLOTH_OK) {
     number_edges(sim, &l);
+    mark_flat_edges(sim);
     own_vertices(sim);
   }
   edge_list_free(&l);

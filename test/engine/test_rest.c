@@ -25,9 +25,9 @@ static int check_warm(cloth_scene *scene, int steps, cloth_step_report *last)
   return 0;
 }
 
-static int table(const char *precision)
+static int table_of(const char *precision, int side)
 {
-  sheet_make(&cloth, 0.4, 0.4, SIDE, SIDE);
+  sheet_make(&cloth, 0.4, 0.4, side, side);
   solid_box(&body, 1, 1, 0.1);
   cloth_def *def = def_new(precision);
   def_body(def, "table", &body, 0.5, pose_at(0, 0, -0.05));
@@ -36,12 +36,17 @@ static int table(const char *precision)
   scene_step(scene, WARM);
   cloth_step_report r;
   if (check_warm(scene, LONG, &r)) return 1;
-  CHECK(r.contacts_body >= SIDE * SIDE && r.impacts == 0 && r.impacts_left == 0);
+  CHECK(r.contacts_body >= side * side && r.impacts == 0 && r.impacts_left == 0);
   if (LONG >= 200) CHECK_NEAR(r.speed_max, 0, 2e-3); // gravity alone makes 160 mm/s of one step
   scene_positions(scene, 0, x);
-  for (int i = 0; i < SIDE * SIDE; i++) CHECK(x[3 * i + 2] > 0 && x[3 * i + 2] < 0.003 + 1e-3);
+  for (int i = 0; i < side * side; i++) CHECK(x[3 * i + 2] > 0 && x[3 * i + 2] < 0.003 + 1e-3);
   cloth_scene_free(scene);
   return 0;
+}
+static int table(const char *precision)
+{
+  // the coarse one once swung for ever between contacts on the diagonal of the table's top
+  return table_of(precision, SIDE) || table_of(precision, 13);
 }
 BOTH(a_towel_on_a_table_comes_to_rest_above_it_and_allocates_nothing, table)
 

@@ -105,19 +105,20 @@ CLOTH_FN int cloth_contact_body(const cloth_contact_scene *s, const cloth_contac
   return -1;
 }
 
-/// Is the pair switched off: nothing in it can move, or a gripper meets what it holds? A triangle
-/// that is held at one corner only is still kept off the fingers.
+/// Is the pair switched off: nothing in it can move, or a gripper meets what it holds? (Keeping the
+/// triangles that are held at one corner off the fingers was tried: without impact zones they are
+/// torn between the hold and the finger.)
 CLOTH_FN int cloth_contact_ignored(const cloth_contact_scene *s, const cloth_contact_geometry *g)
 {
-  int body = cloth_contact_body(s, g), movable = 0, gripped = 1;
+  int body = cloth_contact_body(s, g), movable = 0;
   for (int k = 0; k < 4; k++) {
     int v = g->vertex[k];
     if (v >= s->cloth_vertices) continue;
     if (s->free[v] > 0) movable = 1;
-    gripped = gripped && body >= 0 && s->grasp_of[v] > 0 &&
-              s->ignore[(s->grasp_of[v] - 1) * s->bodies + body];
+    if (body >= 0 && s->grasp_of[v] > 0 && s->ignore[(s->grasp_of[v] - 1) * s->bodies + body])
+      return 1;
   }
-  return !movable || gripped;
+  return !movable;
 }
 
 /// The distance that this pair keeps [m]: the thickness, or less where the cloth's own mesh is

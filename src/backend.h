@@ -46,7 +46,7 @@ typedef struct cloth_backend {
   // Run kernel `k` for i in [0, n) on COMPUTE. args is copied before the call returns.
   cloth_status (*launch)(cloth_device *device, cloth_kernel k, int n, const void *args, cloth_error *err);
 
-  // Stable sort of n pairs by the low `bits` of the key, on COMPUTE; `value` may be NULL. The spare
+  // Stable sort of n pairs by the key, which is below 2^bits, on COMPUTE; `value` may be NULL. The spare
   // arrays are as long as the others; the result is in key and value.
   cloth_status (*sort)(cloth_device *device, int n, int bits, uint64_t *key, uint32_t *value,
                        uint64_t *key_spare, uint32_t *value_spare, cloth_error *err);

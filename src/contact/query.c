@@ -111,10 +111,8 @@ static cloth_status read_contacts(cloth_sim *sim, cloth_part *p, contact_arrays 
 }
 
 // where the contact is: the closest point of its first feature
-static cloth_contact_view view_of(const cloth_sim *sim, const cloth_part *p,
-                                  const contact_arrays *a, int i)
+static cloth_contact_view view_of(const cloth_sim *sim, const contact_arrays *a, int i)
 {
-  (void)p;
   cloth_contact_view v = {.cloth = -1, .body = -1};
   for (int c = 0; c < 4; c++) {
     int vertex = a->vertex[4 * i + c];
@@ -122,8 +120,7 @@ static cloth_contact_view view_of(const cloth_sim *sim, const cloth_part *p,
     for (int k = 0; k < 3 && w > 0; k++) v.position[k] += w * (double)a->x[3 * vertex + k];
     for (int b = 0; vertex >= sim->vertex_count && v.body < 0 && b < sim->def->body_count; b++)
       if (vertex < sim->body[b].vertex_first + sim->body[b].vertex_count) v.body = b;
-    for (int d = 0; vertex < sim->vertex_count && v.cloth < 0 && d < sim->def->cloth_count; d++)
-      if (vertex < sim->cloth_first[d + 1]) v.cloth = d;
+    if (vertex < sim->vertex_count && v.cloth < 0) v.cloth = cloth_of_vertex(sim, vertex);
   }
   for (int k = 0; k < 3; k++) v.normal[k] = (double)a->normal[3 * i + k];
   v.distance = (double)a->distance[i];
@@ -146,7 +143,7 @@ cloth_status cloth_sim_contacts(void *data, cloth_contact_view *out, int capacit
       for (int k = 3; k >= 0; k--)
         if (a.vertex[4 * c + k] < sim->vertex_count) owner = a.vertex[4 * c + k];
       if (!(a.pressure[c] > 0) || owner < p->v0 || owner >= p->v1) continue;
-      if (*count < capacity) out[*count] = view_of(sim, p, &a, c);
+      if (*count < capacity) out[*count] = view_of(sim, &a, c);
       ++*count;
     }
     free(a.vertex), free(a.weight), free(a.normal), free(a.pressure), free(a.distance), free(a.x);

@@ -20,13 +20,6 @@ static bool wanted(const cloth_sim *sim, char why[160])
   return false;
 }
 
-static int of_vertex(const cloth_sim *sim, int v)
-{
-  int c = 0;
-  while (v >= sim->cloth_first[c + 1]) c++;
-  return c;
-}
-
 // rigidity for bending over an edge: the warp is curved by an edge that runs along the weft
 static double rigidity(const cloth_sim *sim, int hinge, const cloth_material *m)
 {
@@ -64,7 +57,7 @@ static void rest_hinge(const cloth_sim *sim, int hinge, double *stiffness, doubl
     double e = sim->rest[3 * h[1] + k] - sim->rest[3 * h[0] + k];
     l_sq += e * e;
   }
-  const cloth_material *m = &sim->def->cloth[of_vertex(sim, h[0])].material;
+  const cloth_material *m = &sim->def->cloth[cloth_of_vertex(sim, h[0])].material;
   *stiffness = (double)cloth_bend_stiffness(
       (cloth_real)rigidity(sim, hinge, m), (cloth_real)sqrt(l_sq),
       (cloth_real)area(sim->rest, h[0], h[1], h[2]), (cloth_real)area(sim->rest, h[0], h[1], h[3]));

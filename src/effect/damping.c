@@ -37,13 +37,6 @@ static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
   return status;
 }
 
-static int cloth_of_vertex(const cloth_sim *sim, int v)
-{
-  int c = 0;
-  while (v >= sim->cloth_first[c + 1]) c++;
-  return c;
-}
-
 cloth_status cloth_damping_set(cloth_sim *sim, double h, cloth_error *err)
 {
   if (!sim->active[CLOTH_EFFECT_damping] || sim->damping_h == h) return CLOTH_OK;

@@ -309,10 +309,8 @@ static cloth_hold_state *hold_of_pin(cloth_sim *sim, int pin)
 }
 
 // a pin's own frame lies at the centroid of its vertices; the motion is relative to it
-static cloth_pose pin_frame(const cloth_sim *sim, const cloth_pin_def *pin,
-                            const double centroid[3], double time)
+static cloth_pose pin_frame(const cloth_pin_def *pin, const double centroid[3], double time)
 {
-  (void)sim;
   cloth_pose frame = cloth_motion_at(&pin->motion, cloth_pose_identity(), time);
   for (int k = 0; k < 3; k++) frame.position[k] += centroid[k];
   return frame;
@@ -338,7 +336,7 @@ static cloth_status pin_start(cloth_sim *sim, int index, cloth_error *err)
                         .count = group->count,
                         .vertex = group->vertex,
                         .body = pin->body,
-                        .frame = pin_frame(sim, pin, centroid, sim->time),
+                        .frame = pin_frame(pin, centroid, sim->time),
                         .stiffness = pin->stiffness,
                         .break_force = pin->break_force};
   cloth_grasp_id id;
@@ -365,7 +363,7 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err)
     if (h == NULL || h->body >= 0) continue;
     double centroid[3];
     pin_centroid(sim, pin, centroid);
-    h->target = pin_frame(sim, pin, centroid, time);
+    h->target = pin_frame(pin, centroid, time);
   }
   return CLOTH_OK;
 }

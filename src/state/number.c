@@ -128,6 +128,13 @@ static void number_bodies(cloth_sim *sim)
   }
 }
 
+int cloth_of_vertex(const cloth_sim *sim, int vertex)
+{
+  int c = 0;
+  while (vertex >= sim->cloth_first[c + 1]) c++;
+  return c;
+}
+
 int cloth_of_triangle(const cloth_sim *sim, int triangle)
 {
   int c = 0;

@@ -254,7 +254,8 @@ void cloth_rest_triangle(const cloth_sim *sim, int triangle, double rest[5]);
 /// Unit warp direction in the rest shape, at the first triangle of a hinge.
 void cloth_warp_direction(const cloth_sim *sim, int hinge, double warp[3]);
 
-/// The cloth that an internal triangle belongs to.
+/// The cloth that an internal vertex, an internal triangle belongs to.
+int cloth_of_vertex(const cloth_sim *sim, int vertex);
 int cloth_of_triangle(const cloth_sim *sim, int triangle);
 
 /// beta / h of this substep for the damping effect.

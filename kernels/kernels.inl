@@ -38,7 +38,11 @@ CLOTH_KERNEL(contact_force, 256)
 CLOTH_KERNEL(contact_product, 512)
 CLOTH_KERNEL(contact_count, 1024)
 CLOTH_KERNEL(impact_find, 128)
+CLOTH_KERNEL(impact_limit, 128)
 CLOTH_KERNEL(impact_hold_back, 2048)
+CLOTH_KERNEL(zone_build, 64)
+CLOTH_KERNEL(zone_mark, 2048)
+CLOTH_KERNEL(zone_solve, 2)
 
 // solve
 CLOTH_KERNEL(assemble_row, 32)

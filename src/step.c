@@ -16,7 +16,7 @@
 
 typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_UNSTABLE } outcome;
 
-enum { IMPACT_HALVINGS = 2 }; // a body that leaves no room is not cured by ever smaller steps
+enum { IMPACT_HALVINGS = 1 }; // a body that leaves no room is not cured by ever smaller steps
 
 static double now_ms(void)
 {
@@ -73,7 +73,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
   sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
                                                       : CLOTH_EFFECT_body_contact;
   if (touch)
-    STAGE(ccd, cloth_failsafe(sim, &left, err)); // ccd/failsafe.c     what would pass through
+    STAGE(ccd, cloth_ccd_stage(sim, &left, err)); // ccd/ccd.c          what would pass through
   if (touch) CLOTH_TRY(cloth_contact_totals(sim, err));
   sim->owner = CLOTH_CORE;
   sim->report->impacts_left = left;

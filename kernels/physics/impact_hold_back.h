@@ -1,7 +1,7 @@
 // Vertex i goes only as far as its impacts allow.
 #pragma once
 
-#include "impact_find.h"
+#include "impact.h"
 
 typedef struct cloth_impact_hold_back_args {
   int first;              // vertex of element 0

@@ -1,39 +1,33 @@
-// Nothing passes through: candidates are tested along the straight way from the start to the end of
-// the substep; what would pass goes only part of the way, and so on until nothing does. It ends
-// because in the last passes whatever is still involved stays where it was. A body that runs into
-// cloth held back cannot be cleared this way: then the substep is repeated at half its length
-// (step.c). (Impact zones will come between the two.)
+// The last answer to impacts: what would pass through goes only part of its way, and so on until
+// nothing does. It ends because in the last passes whatever is still involved stays where it was.
+// A body or a held vertex that runs into cloth held back cannot be cleared this way: then the
+// substep is repeated at half its length (step.c), and what is left is reported.
+#include "ccd/ccd.h"
 #include "contact/contact.h"
 #include "contact/pairs.h"
 #include "effect/effect.h"
-#include "impact_find.h"
 #include "impact_hold_back.h"
+#include "impact_limit.h"
 
-#define IMPACT_GAP 0.05 // distance that counts as an impact, as a share of the thickness
+enum { STOPPING_PASSES = 5 };
 
-enum { COUNT_IMPACTS = 4, COUNT_ANY = 5, STOPPING_PASSES = 5 };
-
-// impacts on the present way, each counted once; `seen` also counts those of borders
-static cloth_status detect(cloth_sim *sim, bool stop, int *impacts, int *seen, cloth_error *err)
+// lower what vertices may go; how many impacts the parts saw
+static cloth_status limit(cloth_sim *sim, bool stop, int *seen, cloth_error *err)
 {
-  *impacts = *seen = 0;
+  *seen = 0;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    uint32_t count[2];
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 2, err));
-    cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
-                                .first = p->v0,
-                                .last = p->v1,
-                                .stop = stop,
-                                .gap = (cloth_real)(IMPACT_GAP * sim->params.thickness),
-                                .pair = p->pair,
-                                .allowed = p->allowed,
-                                .count = p->counter + COUNT_IMPACTS,
-                                .any = p->counter + COUNT_ANY};
-    CLOTH_LAUNCH(sim, p, impact_find, p->pair_count, &a, err);
-    CLOTH_TRY(sim->backend->read(p->device, count, p->counter + COUNT_IMPACTS, sizeof count, err));
-    *impacts += (int)count[0];
-    *seen += (int)count[1];
+    uint32_t count;
+    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 1, err));
+    cloth_impact_limit_args a = {.scene = cloth_contact_scene_of(sim, p),
+                                 .stop = stop,
+                                 .gap = (cloth_real)cloth_impact_gap(sim),
+                                 .pair = p->pair,
+                                 .allowed = p->allowed,
+                                 .count = p->counter + COUNT_IMPACTS};
+    CLOTH_LAUNCH(sim, p, impact_limit, p->pair_count, &a, err);
+    CLOTH_TRY(cloth_count_read(sim, p, COUNT_IMPACTS, &count, err));
+    *seen += (int)count;
   }
   return CLOTH_OK;
 }
@@ -51,17 +45,14 @@ static cloth_status hold_back(cloth_sim *sim, cloth_error *err)
 
 cloth_status cloth_failsafe(cloth_sim *sim, int *left, cloth_error *err)
 {
-  bool escaped;
-  int seen = 0;
+  int seen, passes = sim->params.failsafe_iterations_max;
   *left = 0;
-  CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
-  if (escaped) CLOTH_TRY(cloth_pairs_search(sim, err)); // the solve went farther than predicted
-  int passes = sim->params.failsafe_iterations_max;
   for (int pass = 0; pass < passes + STOPPING_PASSES; pass++) {
-    CLOTH_TRY(detect(sim, pass >= passes, left, &seen, err));
+    CLOTH_TRY(limit(sim, pass >= passes, &seen, err));
     if (seen == 0) return CLOTH_OK;
-    if (pass == 0) sim->report->impacts += *left;
     CLOTH_TRY(hold_back(sim, err));
   }
-  return detect(sim, true, left, &seen, err);
+  CLOTH_TRY(cloth_impacts_find(sim, false, err));
+  *left = sim->zones.found_count;
+  return CLOTH_OK;
 }

@@ -125,6 +125,9 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
   if (status == CLOTH_OK)
     status = cloth_upload(sim, p, "allowed", number, sizeof(int) * n, &p->allowed, err);
   if (status == CLOTH_OK)
+    status = take_reals(sim, p, "x_solved", sim->vertex_count, 3, &p->zone.x_solved, err);
+  if (status == CLOTH_OK) status = cloth_take(sim, p, "moved", n, &p->zone.moved, err);
+  if (status == CLOTH_OK)
     status = cloth_take(sim, p, "grasp_of", sizeof(int) * n, &p->grasp_of, err);
   free(number);
   return status;
@@ -211,6 +214,7 @@ void cloth_sim_free(void *data)
   free(sim->cloth_first), free(sim->triangle_first), free(sim->order), free(sim->internal);
   free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
       free(sim->owns);
+  cloth_zones_free(&sim->zones);
   free(sim->edge_side), free(sim->edge_flat), free(sim->hinge), free(sim->hinge_triangle),
       free(sim->rest), free(sim->mass), free(sim->host), free(sim->held_index);
   free(sim);

@@ -55,6 +55,26 @@ cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size
   return cloth_take(sim, part, name, bytes + bytes / 2, data, err);
 }
 
+cloth_status cloth_extend(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                          size_t kept, void *data, cloth_error *err)
+{
+  void *old, *next;
+  int at = -1;
+  memcpy(&old, data, sizeof old);
+  for (int i = 0; old != NULL && i < part->block_count; i++)
+    if (part->block[i].data == old) at = i;
+  if (at >= 0 && part->block[at].bytes >= bytes) return CLOTH_OK;
+  CLOTH_TRY(cloth_take(sim, part, name, bytes + bytes / 2, &next, err));
+  if (at >= 0) {
+    if (kept > 0) CLOTH_TRY(cloth_copy_local(sim, part, next, old, kept, err));
+    CLOTH_TRY(sim->backend->finish(part->device, err));
+    forget(sim, part, at);
+    sim->growths++;
+  }
+  memcpy(data, &next, sizeof next);
+  return CLOTH_OK;
+}
+
 cloth_status cloth_upload(cloth_sim *sim, cloth_part *part, const char *name, const void *host,
                           size_t bytes, void *out, cloth_error *err)
 {

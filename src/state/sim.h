@@ -12,6 +12,7 @@
 
 #include "backend.h"
 #include "box.h"
+#include "ccd/zones.h"
 #include "pair_key.h"
 #include "real.h"
 #include "scene/def.h"
@@ -100,7 +101,8 @@ typedef struct cloth_part {
   uint32_t *contact_entry, *contact_entry_spare, *contact_first;
   uint32_t contact_capacity;
   int contact_count;
-  uint32_t *allowed; // [n] failsafe, see impact_find.h
+  uint32_t *allowed; // [n] failsafe, see impact_limit.h
+  cloth_zone_part zone;
 
   // solve
   int row_slots; // slots of all groups
@@ -203,6 +205,7 @@ struct cloth_sim {
   cloth_real *host;  // staging, as large as any vertex vector
   size_t host_bytes;
   cloth_box cloth_box; // of all swept cloth at the last search
+  cloth_zones zones;
   cloth_step_report *report;
 };
 
@@ -215,6 +218,10 @@ cloth_status cloth_take(cloth_sim *sim, cloth_part *part, const char *name, size
 /// Make *data hold at least `bytes`; grows by half again. Contents are lost. Counted in the report.
 cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
                         void *data, cloth_error *err);
+
+/// As cloth_grow(), but the first `kept` bytes stay.
+cloth_status cloth_extend(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                          size_t kept, void *data, cloth_error *err);
 
 /// Take and fill from the host.
 cloth_status cloth_upload(cloth_sim *sim, cloth_part *part, const char *name, const void *host,
@@ -284,7 +291,7 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_effects_apply(cloth_sim *sim, int iteration, cloth_error *err);
 cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
-cloth_status cloth_failsafe(cloth_sim *sim, int *left, cloth_error *err);
+cloth_status cloth_ccd_stage(cloth_sim *sim, int *left, cloth_error *err);
 
 // ---- parts (solve/exchange.c) -------------------------------------------------------------------
 

@@ -29,7 +29,8 @@ typedef struct totals {
   double stretch_max; // 1
   int64_t stretch_step;
   int contacts_self_max, contacts_body_max, impacts_left_max;
-  int64_t impacts, impacts_left_steps, unconverged, substeps, halvings;
+  int zone_largest;
+  int64_t impacts, zones, held_back, impacts_left_steps, unconverged, substeps, halvings;
 } totals;
 
 static volatile sig_atomic_t stop_signal;
@@ -102,6 +103,9 @@ static void totals_add(totals *t, const cloth_step_report *r, double wall)
   if (r->contacts_body > t->contacts_body_max) t->contacts_body_max = r->contacts_body;
   if (r->impacts_left > t->impacts_left_max) t->impacts_left_max = r->impacts_left;
   t->impacts += r->impacts;
+  t->zones += r->zones;
+  t->held_back += r->held_back;
+  if (r->zone_largest > t->zone_largest) t->zone_largest = r->zone_largest;
   t->impacts_left_steps += r->impacts_left > 0;
   t->unconverged += r->pcg_unconverged;
   t->substeps += r->substeps;
@@ -147,7 +151,9 @@ static void print_summary(const run *r, uint64_t hash)
   printf("worst stretch     %.2f %% in step %" PRId64 "\n", 100 * t->stretch_max, t->stretch_step);
   printf("contacts          at most %d cloth-cloth, %d cloth-body in a step\n",
          t->contacts_self_max, t->contacts_body_max);
-  printf("impacts           %" PRId64 " held back\n", t->impacts);
+  printf("impacts           %" PRId64 ": in %" PRId64 " zones of at most %d vertices; %" PRId64
+         " held back\n",
+         t->impacts, t->zones, t->zone_largest, t->held_back);
   printf("impacts left      %d", t->impacts_left_max);
   if (t->impacts_left_steps) printf(" at most, in %" PRId64 " steps", t->impacts_left_steps);
   printf("\n");

@@ -1,0 +1,47 @@
+// An impact as a constraint on where the substep ends: at its time of impact the closest points of
+// the two features and the direction between them are taken, and along that direction the same
+// points must be apart at the end (Harmon, Vouga, Tamstorf, Grinspun, Robust treatment of
+// simultaneous collisions, 2008, with a gap: the direction is known however thin the cloth).
+#pragma once
+
+#include "impact.h"
+
+typedef struct cloth_zone_build_args {
+  cloth_contact_scene scene;
+  cloth_real gap;      // m, distance that counts as an impact
+  int first;           // constraint of element 0
+  const uint64_t *key; // [constraints]
+  const uint32_t *toi; // [constraints] of CLOTH_WHOLE
+  int *vertex;         // [constraints x 4], written
+  cloth_real *weight;  // [constraints x 4], written
+  cloth_real *normal;  // [constraints x 3], written
+  cloth_real *apart;   // [constraints] m, least sum w_k n . x_k at the end, written
+} cloth_zone_build_args;
+
+CLOTH_FN void cloth_zone_build(int i, const cloth_zone_build_args *a)
+{
+  const cloth_contact_scene *s = &a->scene;
+  int c = a->first + i;
+  cloth_contact_geometry g;
+  cloth_pair_vertices(s, a->key[c], &g);
+  cloth_contact_measure(s->x_t0, &g);
+  // twice what counts as an impact, or half of what there was: five times what impact.h asks for
+  cloth_real apart = g.distance / 2 < 2 * a->gap ? g.distance / 2 : 2 * a->gap;
+
+  cloth_real share = (cloth_real)a->toi[c] / (cloth_real)CLOTH_WHOLE, at[12];
+  cloth_v3 o = cloth_v3_load(s->x_t0, g.vertex[0]);
+  for (int k = 0; k < 4; k++) {
+    cloth_v3 x_t0 = cloth_v3_sub(cloth_v3_load(s->x_t0, g.vertex[k]), o);
+    cloth_v3 x = cloth_v3_sub(cloth_v3_load(s->x, g.vertex[k]), o);
+    cloth_v3_store(at, k, cloth_v3_add_scaled(x_t0, share, cloth_v3_sub(x, x_t0)));
+  }
+  cloth_contact_geometry there = g;
+  for (int k = 0; k < 4; k++) there.vertex[k] = k;
+  cloth_contact_measure(at, &there);
+  for (int k = 0; k < 4; k++) {
+    a->vertex[4 * c + k] = g.vertex[k];
+    a->weight[4 * c + k] = there.weight[k];
+  }
+  cloth_v3_store(a->normal, c, there.normal);
+  a->apart[c] = apart;
+}

@@ -1,0 +1,134 @@
+// Continuous collision detection and its answers, mildest first: impact zones move the involved
+// vertices as little as they can (zones.c); what these cannot solve in zone_iterations_max rounds
+// is held back along its way (failsafe.c), which always ends.
+#include "ccd/ccd.h"
+
+#include "contact/contact.h"
+#include "contact/pairs.h"
+#include "effect/effect.h"
+#include "impact_find.h"
+
+#include <stdlib.h>
+
+#define IMPACT_GAP 0.05 // distance that counts as an impact, as a share of the thickness
+
+double cloth_impact_gap(const cloth_sim *sim) { return IMPACT_GAP * sim->params.thickness; }
+
+cloth_status cloth_impacts_cover(cloth_sim *sim, cloth_error *err)
+{
+  bool escaped;
+  CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
+  return escaped ? cloth_pairs_search(sim, err) : CLOTH_OK;
+}
+
+// ---- detection ----------------------------------------------------------------------------------
+
+static int compare(const void *a, const void *b)
+{
+  const cloth_impact_pair *p = a, *q = b;
+  return p->key < q->key ? -1 : p->key > q->key;
+}
+
+// room on the host for n found pairs
+static cloth_status grow_found(cloth_zones *z, int n, cloth_error *err)
+{
+  if (n <= z->found_capacity) return CLOTH_OK;
+  size_t room = (size_t)n + (size_t)n / 2 + 64;
+  cloth_impact_pair *found = realloc(z->found, sizeof *found * room);
+  if (found) z->found = found;
+  uint64_t *key = realloc(z->read_key, sizeof *key * room);
+  if (key) z->read_key = key;
+  uint32_t *toi = realloc(z->read_toi, sizeof *toi * room);
+  if (toi) z->read_toi = toi;
+  if (!found || !key || !toi) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%d impacts", n);
+  z->found_capacity = (int)room;
+  return CLOTH_OK;
+}
+
+static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, uint32_t *count,
+                                 cloth_error *err)
+{
+  cloth_zone_part *z = &p->zone;
+  for (;;) {
+    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 1, err));
+    cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
+                                .gap = (cloth_real)cloth_impact_gap(sim),
+                                .moved = moved ? z->moved : NULL,
+                                .pair = p->pair,
+                                .key = z->found_key,
+                                .toi = z->found_toi,
+                                .capacity = z->found_capacity,
+                                .count = p->counter + COUNT_IMPACTS};
+    CLOTH_LAUNCH(sim, p, impact_find, p->pair_count, &a, err);
+    CLOTH_TRY(cloth_count_read(sim, p, COUNT_IMPACTS, count, err));
+    if (*count <= z->found_capacity) return CLOTH_OK;
+    size_t n = *count; // too small: once more
+    CLOTH_TRY(cloth_grow(sim, p, "impact_key", 8 * n, &z->found_key, err));
+    CLOTH_TRY(cloth_grow(sim, p, "impact_toi", 4 * n, &z->found_toi, err));
+    z->found_capacity = *count + *count / 2;
+  }
+}
+
+cloth_status cloth_impacts_find(cloth_sim *sim, bool moved, cloth_error *err)
+{
+  cloth_zones *z = &sim->zones;
+  z->found_count = 0;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    uint32_t count;
+    CLOTH_TRY(find_on_part(sim, p, moved, &count, err));
+    if (count == 0) continue;
+    CLOTH_TRY(grow_found(z, z->found_count + (int)count, err));
+    CLOTH_TRY(
+        sim->backend->read(p->device, z->read_key, p->zone.found_key, 8 * (size_t)count, err));
+    CLOTH_TRY(
+        sim->backend->read(p->device, z->read_toi, p->zone.found_toi, 4 * (size_t)count, err));
+    for (uint32_t k = 0; k < count; k++)
+      z->found[z->found_count++] = (cloth_impact_pair){z->read_key[k], z->read_toi[k]};
+  }
+  if (z->found_count == 0) return CLOTH_OK;
+  qsort(z->found, (size_t)z->found_count, sizeof *z->found, compare);
+  int unique = 0; // a pair on a border is found by each of its parts, with the same time
+  for (int k = 0; k < z->found_count; k++)
+    if (k == 0 || z->found[k].key != z->found[k - 1].key) z->found[unique++] = z->found[k];
+  z->found_count = unique;
+  return CLOTH_OK;
+}
+
+// ---- the stage ----------------------------------------------------------------------------------
+
+static cloth_status remember_solved(cloth_sim *sim, cloth_error *err)
+{
+  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(cloth_copy_local(sim, p, p->zone.x_solved, p->x, bytes, err));
+    CLOTH_TRY(sim->backend->fill(p->device, p->zone.moved, 0, (size_t)sim->vertex_count, err));
+  }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_ccd_stage(cloth_sim *sim, int *left, cloth_error *err)
+{
+  cloth_zones *z = &sim->zones;
+  *left = 0;
+  CLOTH_TRY(cloth_impacts_cover(sim, err));
+  CLOTH_TRY(cloth_impacts_find(sim, false, err));
+  if (z->found_count == 0) return CLOTH_OK;
+  sim->report->impacts += z->found_count;
+
+  CLOTH_TRY(remember_solved(sim, err));
+  cloth_zones_clear(sim);
+  for (int round = 0; round < sim->params.zone_iterations_max && z->found_count > 0; round++) {
+    CLOTH_TRY(cloth_zones_add(sim, err));
+    CLOTH_TRY(cloth_zones_project(sim, cloth_impact_gap(sim), err));
+    CLOTH_TRY(cloth_impacts_cover(sim, err));
+    CLOTH_TRY(cloth_impacts_find(sim, true, err));
+    sim->report->zone_rounds++;
+  }
+  int largest = cloth_zones_largest(z);
+  sim->report->zones += z->zones;
+  if (largest > sim->report->zone_largest) sim->report->zone_largest = largest;
+  sim->report->held_back += z->found_count;
+  return z->found_count > 0 ? cloth_failsafe(sim, left, err) : CLOTH_OK;
+}

@@ -1,0 +1,72 @@
+// Impact zones: impacts that share a moving vertex, directly or through others, are solved
+// together. Grouping is done here on the host from lists of pairs (a few hundred where cloth is
+// crumpled; none in most steps); what has arithmetic in it runs on the parts.
+#pragma once
+
+#include "real.h"
+#include "status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct cloth_sim;
+
+/// A pair that would pass through in this substep.
+typedef struct cloth_impact_pair {
+  uint64_t key; // pair_key.h
+  uint32_t toi; // of CLOTH_WHOLE
+} cloth_impact_pair;
+
+/// On the host. Constraints stay until the substep ends; zones are made anew in every round.
+typedef struct cloth_zones {
+  int found_count, found_capacity;
+  cloth_impact_pair *found; // of the last detection, sorted by key, each pair once
+  uint64_t *read_key;       // [found_capacity] staging
+  uint32_t *read_toi;
+
+  int count, capacity;
+  uint64_t *key;  // [count]
+  uint32_t *toi;  // [count]
+  int *vertex;    // [count x 4]
+  int *parent;    // [count] union-find over constraints
+  int *member;    // [count] constraint, zone by zone
+  int *local;     // [count x 4] by member
+  int *zone_rank; // [count] zone of a root
+  int *first;     // [zones + 1] in member
+
+  int zones, moving_count;
+  int *moving_first;    // [zones + 1] in moving
+  int *moving;          // [4 count] vertices, zone by zone
+  int *deal;            // [zones] zones of one part
+  int *owner;           // [vertices] a constraint that moves it, or -1; later its place in `moving`
+  unsigned char *fixed; // [vertices] 1: held rigidly; all 0 outside cloth_zones_add()
+} cloth_zones;
+
+/// What a part holds of them.
+typedef struct cloth_zone_part {
+  uint64_t *found_key;
+  uint32_t *found_toi;
+  uint32_t found_capacity;
+  uint64_t *key;
+  uint32_t *toi;
+  int *vertex, *member, *local, *first, *moving_first, *moving, *deal;
+  cloth_real *weight, *normal, *apart, *multiplier, *need, *move;
+  cloth_real *x_solved; // [vertices x 3] m
+  unsigned char *moved; // [vertices] 1: in a zone
+  int capacity;         // constraints
+  int built;            // constraints whose geometry is known
+} cloth_zone_part;
+
+/// Take zones.found in as further constraints and group all of them.
+cloth_status cloth_zones_add(struct cloth_sim *sim, cloth_error *err);
+
+/// Project every zone from the solver's end of the substep; x of every part is set.
+cloth_status cloth_zones_project(struct cloth_sim *sim, double gap, cloth_error *err);
+
+/// A new substep: no constraints.
+void cloth_zones_clear(struct cloth_sim *sim);
+
+/// Vertices of the largest zone.
+int cloth_zones_largest(const cloth_zones *zones);
+
+void cloth_zones_free(cloth_zones *zones);

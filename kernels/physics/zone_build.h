@@ -9,7 +9,7 @@
 typedef struct cloth_zone_build_args {
   cloth_contact_scene scene;
   cloth_real gap;      // m, distance that counts as an impact
-  int first;           // constraint of element 0
+  const int *fresh;    // [n] constraints found in this round
   const uint64_t *key; // [constraints]
   const uint32_t *toi; // [constraints] of CLOTH_WHOLE
   int *vertex;         // [constraints x 4], written
@@ -21,7 +21,7 @@ typedef struct cloth_zone_build_args {
 CLOTH_FN void cloth_zone_build(int i, const cloth_zone_build_args *a)
 {
   const cloth_contact_scene *s = &a->scene;
-  int c = a->first + i;
+  int c = a->fresh[i];
   cloth_contact_geometry g;
   cloth_pair_vertices(s, a->key[c], &g);
   cloth_contact_measure(s->x_t0, &g);

@@ -12,7 +12,7 @@
 
 #include "real.h"
 
-enum { CLOTH_ZONE_SWEEPS = 200 };
+enum { CLOTH_ZONE_SWEEPS = 200, CLOTH_ZONE_LOOK = 20 };
 
 typedef struct cloth_zone_solve_args {
   const int *zone;   // [n] zone of element i
@@ -90,6 +90,7 @@ CLOTH_FN void cloth_zone_solve(int i, const cloth_zone_solve_args *a)
   for (int k = a->moving_first[z]; k < a->moving_first[z + 1]; k++)
     cloth_v3_store(a->move, k, cloth_v3_make(0, 0, 0));
   for (int m = a->first[z]; m < a->first[z + 1]; m++) cloth_zone_prepare(a, m);
+  cloth_real last = 0;
   for (int sweep = 0; sweep < CLOTH_ZONE_SWEEPS; sweep++) {
     cloth_real worst = 0;
     for (int m = a->first[z]; m < a->first[z + 1]; m++) {
@@ -97,6 +98,9 @@ CLOTH_FN void cloth_zone_solve(int i, const cloth_zone_solve_args *a)
       if (open > worst) worst = open;
     }
     if (!(worst > (cloth_real)0.1)) break;
+    if (sweep % CLOTH_ZONE_LOOK != 0) continue;
+    if (sweep > 0 && !(worst < (cloth_real)0.9 * last)) break; // no room, or far too tight
+    last = worst;
   }
   for (int k = a->moving_first[z]; k < a->moving_first[z + 1]; k++) {
     int v = a->moving[k];

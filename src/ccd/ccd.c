@@ -118,7 +118,7 @@ cloth_status cloth_ccd_stage(cloth_sim *sim, int *left, cloth_error *err)
   sim->report->impacts += z->found_count;
 
   CLOTH_TRY(remember_solved(sim, err));
-  cloth_zones_clear(sim);
+  z->count = 0;
   for (int round = 0; round < sim->params.zone_iterations_max && z->found_count > 0; round++) {
     CLOTH_TRY(cloth_zones_add(sim, err));
     CLOTH_TRY(cloth_zones_project(sim, cloth_impact_gap(sim), err));

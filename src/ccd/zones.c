@@ -35,6 +35,9 @@ static cloth_status reserve(cloth_sim *sim, int n, cloth_error *err)
   CLOTH_TRY(grow(&z->key, sizeof(uint64_t) * room, err));
   CLOTH_TRY(grow(&z->toi, sizeof(uint32_t) * room, err));
   CLOTH_TRY(grow(&z->vertex, 4 * i * room, err));
+  CLOTH_TRY(grow(&z->by_key, i * room, err));
+  CLOTH_TRY(grow(&z->spare, i * room, err));
+  CLOTH_TRY(grow(&z->fresh, i * room, err));
   CLOTH_TRY(grow(&z->parent, i * room, err));
   CLOTH_TRY(grow(&z->member, i * room, err));
   CLOTH_TRY(grow(&z->local, 4 * i * room, err));
@@ -52,7 +55,7 @@ void cloth_zones_free(cloth_zones *z)
   free(z->found), free(z->read_key), free(z->read_toi);
   free(z->key), free(z->toi), free(z->vertex), free(z->parent), free(z->member), free(z->local);
   free(z->zone_rank), free(z->first), free(z->moving_first), free(z->moving), free(z->deal);
-  free(z->owner), free(z->fixed);
+  free(z->by_key), free(z->spare), free(z->fresh), free(z->owner), free(z->fixed);
 }
 
 // ---- grouping -----------------------------------------------------------------------------------
@@ -139,15 +142,29 @@ static void list_moving(cloth_sim *sim)
   for (int i = 0; i < z->moving_count; i++) z->owner[z->moving[i]] = -1;
 }
 
+// found pairs become constraints, or take the place of the pair's earlier one
+static void take_found(cloth_sim *sim)
+{
+  cloth_zones *z = &sim->zones;
+  int known = z->count, n = 0, k = 0;
+  for (int i = 0; i < z->found_count; i++) {
+    uint64_t key = z->found[i].key;
+    while (k < known && z->key[z->by_key[k]] < key) z->spare[n++] = z->by_key[k++];
+    int c = k < known && z->key[z->by_key[k]] == key ? z->by_key[k++] : z->count++;
+    z->key[c] = key, z->toi[c] = z->found[i].toi;
+    corners(sim, key, z->vertex + 4 * c);
+    z->spare[n++] = z->fresh[i] = c;
+  }
+  while (k < known) z->spare[n++] = z->by_key[k++];
+  int *list = z->by_key;
+  z->by_key = z->spare, z->spare = list;
+}
+
 cloth_status cloth_zones_add(cloth_sim *sim, cloth_error *err)
 {
   cloth_zones *z = &sim->zones;
   CLOTH_TRY(reserve(sim, z->count + z->found_count, err));
-  for (int i = 0; i < z->found_count; i++) {
-    z->key[z->count] = z->found[i].key, z->toi[z->count] = z->found[i].toi;
-    corners(sim, z->found[i].key, z->vertex + 4 * z->count);
-    z->count++;
-  }
+  take_found(sim);
   mark_fixed(sim, 1);
   for (int c = 0; c < z->count; c++) z->parent[c] = c;
   for (int c = 0; c < z->count; c++)
@@ -177,13 +194,14 @@ static cloth_status grow_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   size_t n = (size_t)sim->zones.capacity, i = sizeof(int), real = sizeof(cloth_real);
   if (sim->zones.capacity <= z->capacity) return CLOTH_OK;
   // geometry of earlier rounds stays
-  size_t built = real * (size_t)z->built;
-  CLOTH_TRY(cloth_extend(sim, p, "zone_weight", 4 * real * n, 4 * built, &z->weight, err));
-  CLOTH_TRY(cloth_extend(sim, p, "zone_normal", 3 * real * n, 3 * built, &z->normal, err));
-  CLOTH_TRY(cloth_extend(sim, p, "zone_apart", real * n, built, &z->apart, err));
+  size_t kept = (size_t)z->capacity;
+  CLOTH_TRY(cloth_extend(sim, p, "zone_vertex", 4 * i * n, 4 * i * kept, &z->vertex, err));
+  CLOTH_TRY(cloth_extend(sim, p, "zone_weight", 4 * real * n, 4 * real * kept, &z->weight, err));
+  CLOTH_TRY(cloth_extend(sim, p, "zone_normal", 3 * real * n, 3 * real * kept, &z->normal, err));
+  CLOTH_TRY(cloth_extend(sim, p, "zone_apart", real * n, real * kept, &z->apart, err));
+  CLOTH_TRY(cloth_grow(sim, p, "zone_fresh", i * n, &z->fresh, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_key", 8 * n, &z->key, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_toi", 4 * n, &z->toi, err));
-  CLOTH_TRY(cloth_grow(sim, p, "zone_vertex", 4 * i * n, &z->vertex, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_member", i * n, &z->member, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_local", 4 * i * n, &z->local, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_first", i * (n + 1), &z->first, err));
@@ -218,6 +236,7 @@ static cloth_status send(cloth_sim *sim, cloth_part *p, int dealt, cloth_error *
   size_t n = (size_t)z->count, zones = (size_t)z->zones + 1, i = sizeof(int);
   CLOTH_TRY(be->write(p->device, d->key, z->key, 8 * n, err));
   CLOTH_TRY(be->write(p->device, d->toi, z->toi, 4 * n, err));
+  CLOTH_TRY(be->write(p->device, d->fresh, z->fresh, i * (size_t)z->found_count, err));
   CLOTH_TRY(be->write(p->device, d->member, z->member, i * n, err));
   CLOTH_TRY(be->write(p->device, d->local, z->local, 4 * i * n, err));
   CLOTH_TRY(be->write(p->device, d->first, z->first, i * zones, err));
@@ -235,15 +254,14 @@ static cloth_status project_part(cloth_sim *sim, cloth_part *p, double gap, clot
   CLOTH_TRY(send(sim, p, dealt, err));
   cloth_zone_build_args build = {.scene = cloth_contact_scene_of(sim, p),
                                  .gap = (cloth_real)gap,
-                                 .first = d->built,
+                                 .fresh = d->fresh,
                                  .key = d->key,
                                  .toi = d->toi,
                                  .vertex = d->vertex,
                                  .weight = d->weight,
                                  .normal = d->normal,
                                  .apart = d->apart};
-  CLOTH_LAUNCH(sim, p, zone_build, z->count - d->built, &build, err);
-  d->built = z->count;
+  CLOTH_LAUNCH(sim, p, zone_build, z->found_count, &build, err);
   cloth_zone_mark_args mark = {d->moving, d->moved};
   CLOTH_LAUNCH(sim, p, zone_mark, z->moving_count, &mark, err);
   cloth_zone_solve_args solve = {.zone = d->deal,
@@ -271,10 +289,4 @@ cloth_status cloth_zones_project(cloth_sim *sim, double gap, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(project_part(sim, &sim->part[i], gap, err));
   return cloth_exchange(sim, offsetof(cloth_part, x), false, 3 * sizeof(cloth_real), err);
-}
-
-void cloth_zones_clear(cloth_sim *sim)
-{
-  sim->zones.count = 0;
-  for (int i = 0; i < sim->part_count; i++) sim->part[i].zone.built = 0;
 }

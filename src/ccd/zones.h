@@ -17,7 +17,8 @@ typedef struct cloth_impact_pair {
   uint32_t toi; // of CLOTH_WHOLE
 } cloth_impact_pair;
 
-/// On the host. Constraints stay until the substep ends; zones are made anew in every round.
+/// On the host. Constraints stay until the substep ends, or until their pair is found again and is
+/// measured anew; zones are made anew in every round.
 typedef struct cloth_zones {
   int found_count, found_capacity;
   cloth_impact_pair *found; // of the last detection, sorted by key, each pair once
@@ -28,6 +29,9 @@ typedef struct cloth_zones {
   uint64_t *key;  // [count]
   uint32_t *toi;  // [count]
   int *vertex;    // [count x 4]
+  int *by_key;    // [count] constraints in the order of their keys
+  int *spare;     // [count]
+  int *fresh;     // [found_count] constraints of the last detection
   int *parent;    // [count] union-find over constraints
   int *member;    // [count] constraint, zone by zone
   int *local;     // [count x 4] by member
@@ -49,12 +53,11 @@ typedef struct cloth_zone_part {
   uint32_t found_capacity;
   uint64_t *key;
   uint32_t *toi;
-  int *vertex, *member, *local, *first, *moving_first, *moving, *deal;
+  int *vertex, *fresh, *member, *local, *first, *moving_first, *moving, *deal;
   cloth_real *weight, *normal, *apart, *multiplier, *need, *move;
   cloth_real *x_solved; // [vertices x 3] m
   unsigned char *moved; // [vertices] 1: in a zone
   int capacity;         // constraints
-  int built;            // constraints whose geometry is known
 } cloth_zone_part;
 
 /// Take zones.found in as further constraints and group all of them.
@@ -62,9 +65,6 @@ cloth_status cloth_zones_add(struct cloth_sim *sim, cloth_error *err);
 
 /// Project every zone from the solver's end of the substep; x of every part is set.
 cloth_status cloth_zones_project(struct cloth_sim *sim, double gap, cloth_error *err);
-
-/// A new substep: no constraints.
-void cloth_zones_clear(struct cloth_sim *sim);
 
 /// Vertices of the largest zone.
 int cloth_zones_largest(const cloth_zones *zones);

@@ -3,13 +3,13 @@ find_package(OpenMP REQUIRED COMPONENTS C)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(YAML REQUIRED IMPORTED_TARGET yaml-0.1)
 
-file(GLOB CLOTH_HOST_SOURCES CONFIGURE_DEPENDS src/*.c src/scene/*.c)
+file(GLOB CLOTH_HOST_SOURCES CONFIGURE_DEPENDS src/*.c src/scene/*.c src/links/*.c)
 file(GLOB CLOTH_ENGINE_SOURCES CONFIGURE_DEPENDS src/engine/*.c src/state/*.c src/effect/*.c
      src/contact/*.c src/solve/*.c src/ccd/*.c kernels/cpu/*.c)
 list(REMOVE_ITEM CLOTH_HOST_SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/src/step.c)
 list(APPEND CLOTH_ENGINE_SOURCES src/step.c)
 # small host files that the engine calls; hidden inside each engine library
-set(CLOTH_SHARED_SOURCES src/status.c src/report.c src/scene/motion.c)
+set(CLOTH_SHARED_SOURCES src/status.c src/report.c src/scene/motion.c src/links/links.c)
 
 # the two that are off warn of what cannot happen: lengths and values that a returned status rules out
 set(CLOTH_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wstrict-prototypes -Wno-format-truncation

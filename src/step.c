@@ -72,11 +72,15 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
   CLOTH_TRY(cloth_holds_measure(sim, err));
   sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
                                                       : CLOTH_EFFECT_body_contact;
+  if (!touch && sim->active[CLOTH_EFFECT_body_contact]) {
+    CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
+    touch = sim->report->bodies_near > 0;
+  }
   if (touch)
     STAGE(ccd, cloth_ccd_stage(sim, &left, err)); // ccd/ccd.c          what would pass through
   if (touch) CLOTH_TRY(cloth_contact_totals(sim, err));
   sim->owner = CLOTH_CORE;
-  sim->report->impacts_left = left;
+  sim->impacts_left = left;
   *result = left > 0 ? OUTCOME_IMPACTS : OUTCOME_GOOD;
   STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
   return CLOTH_OK;
@@ -168,7 +172,7 @@ static cloth_status find_reach(cloth_sim *sim, double h, cloth_error *err)
     for (int k = 0; k < 3; k++) a.gravity[k] = (cloth_real)sim->params.gravity[k];
     CLOTH_LAUNCH(sim, p, predict, sim->vertex_count, &a, err);
   }
-  return cloth_box_update(sim, err);
+  return cloth_box_update(sim, h, err);
 }
 
 // is the body's ball within that?
@@ -227,6 +231,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     mean_motion(sim);
     CLOTH_TRY(accept(sim, err));
     sim->report->substeps++;
+    sim->report->impacts_left += sim->impacts_left;
     done = to;
   }
   return CLOTH_OK;

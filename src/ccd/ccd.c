@@ -16,9 +16,11 @@ double cloth_impact_gap(const cloth_sim *sim) { return IMPACT_GAP * sim->params.
 
 cloth_status cloth_impacts_cover(cloth_sim *sim, cloth_error *err)
 {
-  bool escaped;
-  CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
-  return escaped ? cloth_pairs_search(sim, err) : CLOTH_OK;
+  bool escaped = true;
+  if (sim->pairs_valid) CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
+  if (!escaped) return CLOTH_OK;
+  CLOTH_TRY(cloth_bodies_join(sim, err));
+  return cloth_pairs_search(sim, err);
 }
 
 // ---- detection ----------------------------------------------------------------------------------

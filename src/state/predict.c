@@ -44,10 +44,10 @@ void cloth_pose_matrix(const cloth_pose *pose, cloth_real out[12])
 
 // ---- what is near -------------------------------------------------------------------------------
 
-cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err)
+cloth_status cloth_box_update(cloth_sim *sim, double h, cloth_error *err)
 {
   cloth_part *p = &sim->part[0];
-  cloth_box_chunk_args a = {sim->vertex_count, p->x_t0, p->x, p->box_of_chunk};
+  cloth_box_chunk_args a = {sim->vertex_count, p->x_t0, p->x, p->v, (cloth_real)h, p->box_of_chunk};
   CLOTH_LAUNCH(sim, p, box_chunk, sim->chunks, &a, err);
   CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->chunks, err));
   CLOTH_TRY(sim->backend->read(p->device, sim->host, p->box_of_chunk,
@@ -75,25 +75,51 @@ static bool is_near(const cloth_sim *sim, const cloth_body *b, double gap)
   return b->vertex_count > 0;
 }
 
+static cloth_status move_body(cloth_sim *sim, const cloth_body *body, cloth_error *err)
+{
+  cloth_body_vertex_args a = {.first = body->vertex_first};
+  cloth_pose_matrix(&body->t0, a.pose_t0);
+  cloth_pose_matrix(&body->t1, a.pose_t1);
+  for (int p = 0; p < sim->part_count; p++) {
+    cloth_part *part = &sim->part[p];
+    a.local = part->body_local + 3 * (body->vertex_first - sim->vertex_count);
+    a.x_t0 = part->x_t0, a.x = part->x;
+    CLOTH_LAUNCH(sim, part, body_vertex, body->vertex_count, &a, err);
+  }
+  return CLOTH_OK;
+}
+
+// pairs keep for vertices that stray by the slack, so what is near does too
+static double near_gap(const cloth_sim *sim)
+{
+  return sim->params.thickness + 2 * sim->params.pair_slack;
+}
+
 static cloth_status move_bodies(cloth_sim *sim, cloth_error *err)
 {
-  double gap = sim->params.thickness + 2 * sim->params.pair_slack;
   for (int b = 0; b < sim->def->body_count; b++) {
     cloth_body *body = &sim->body[b];
-    bool near = is_near(sim, body, gap);
+    bool near = is_near(sim, body, near_gap(sim));
     if (near != body->near) sim->pairs_valid = false;
     body->near = near;
     if (!near) continue;
     sim->report->bodies_near++;
-    cloth_body_vertex_args a = {.first = body->vertex_first};
-    cloth_pose_matrix(&body->t0, a.pose_t0);
-    cloth_pose_matrix(&body->t1, a.pose_t1);
-    for (int p = 0; p < sim->part_count; p++) {
-      cloth_part *part = &sim->part[p];
-      a.local = part->body_local + 3 * (body->vertex_first - sim->vertex_count);
-      a.x_t0 = part->x_t0, a.x = part->x;
-      CLOTH_LAUNCH(sim, part, body_vertex, body->vertex_count, &a, err);
-    }
+    CLOTH_TRY(move_body(sim, body, err));
+  }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_bodies_join(cloth_sim *sim, cloth_error *err)
+{
+  CLOTH_TRY(cloth_box_update(sim, sim->h, err));
+  bool wanted = sim->active[CLOTH_EFFECT_body_contact];
+  for (int b = 0; b < sim->def->body_count && wanted; b++) {
+    cloth_body *body = &sim->body[b];
+    if (body->near || !is_near(sim, body, near_gap(sim))) continue;
+    body->near = true;
+    sim->pairs_valid = false;
+    sim->report->bodies_near++;
+    CLOTH_TRY(move_body(sim, body, err));
   }
   return CLOTH_OK;
 }
@@ -144,7 +170,7 @@ cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_e
   sim->report->bodies_near = 0;
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
-  if (self || body) CLOTH_TRY(cloth_box_update(sim, err));
+  if (self || body) CLOTH_TRY(cloth_box_update(sim, sim->h, err));
   sim->owner = CLOTH_EFFECT_body_contact;
   if (body) CLOTH_TRY(move_bodies(sim, err));
   sim->owner = CLOTH_CORE;
@@ -153,7 +179,7 @@ cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_e
 
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err)
 {
-  CLOTH_TRY(cloth_box_update(sim, err));
+  CLOTH_TRY(cloth_box_update(sim, 0, err));
   for (int b = 0; b < sim->def->body_count; b++)
     sim->body[b].t0 = sim->body[b].t1 = sim->body[b].now;
   return move_bodies(sim, err);

@@ -206,6 +206,7 @@ struct cloth_sim {
   size_t host_bytes;
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
+  int impacts_left; // of this substep
   cloth_step_report *report;
 };
 
@@ -280,7 +281,10 @@ cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *
 
 void cloth_guess_free_fall(cloth_sim *sim); // after anything but a step changed the state
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
-cloth_status cloth_box_update(cloth_sim *sim, cloth_error *err);    // box of x_t0 and x, all cloth
+/// sim->cloth_box: of all cloth on its way from x_t0 to x and to x_t0 + h v.
+cloth_status cloth_box_update(cloth_sim *sim, double h, cloth_error *err);
+/// After x went elsewhere than predicted: the box anew, and bodies that it now meets become near.
+cloth_status cloth_bodies_join(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err); // now, whatever is known already

@@ -4,6 +4,7 @@
 // repeated at half its length.
 #include "chunk.h"
 #include "commit_chunk.h"
+#include "contact/contact.h"
 #include "effect/effect.h"
 #include "membrane_stretch.h"
 #include "predict.h"
@@ -39,6 +40,46 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err);
 // ---- one substep, from share `from` to share `to` of the step
 // ------------------------------------
 
+static int owner_of_contact(const cloth_sim *sim)
+{
+  return sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
+                                                : CLOTH_EFFECT_body_contact;
+}
+
+// Newton iterations `first` to `last` - 1
+static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
+{
+  int owner = sim->owner;
+  sim->owner = CLOTH_CORE;
+  for (int n = first; n < last; n++) {
+    double correction;
+    sim->iteration = n;
+    STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
+    STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
+    STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
+    if (correction <= sim->params.newton_tolerance * sim->params.thickness) break;
+  }
+  CLOTH_TRY(cloth_holds_measure(sim, err));
+  sim->owner = owner;
+  return CLOTH_OK;
+}
+
+// What would pass through becomes contacts of a further system; what then still would is moved
+// apart, or held back.
+static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
+{
+  int impacts, n = sim->params.newton_iterations_max;
+  STAGE(ccd, cloth_ccd_detect(sim, &impacts, err)); // ccd/ccd.c
+  for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
+    STAGE(contact, cloth_contact_add_impacts(sim, err));
+    CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
+    sim->report->contact_rounds++;
+    STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
+  }
+  STAGE(ccd, cloth_ccd_resolve(sim, left, err)); // ccd/zones.c, ccd/failsafe.c
+  return cloth_contact_totals(sim, err);
+}
+
 static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcome *result,
                                   cloth_error *err)
 {
@@ -49,8 +90,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
         cloth_predict_stage(sim, from, to, err)); // state/predict.c    x* = x + h v + h^2 g
 
   touch = touch || sim->report->bodies_near > 0;
-  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
-                                                      : CLOTH_EFFECT_body_contact;
+  sim->owner = owner_of_contact(sim);
   if (touch) {
     STAGE(pairs, cloth_pairs_find(sim, err));            // contact/pairs.c    what may touch
     STAGE(contact, cloth_contact_build_stage(sim, err)); // contact/contact.c  what touches
@@ -61,24 +101,13 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
   }
   sim->owner = CLOTH_CORE;
 
-  for (int n = 0; n < sim->params.newton_iterations_max; n++) {
-    double correction;
-    sim->iteration = n;
-    STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
-    STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
-    STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
-    if (correction <= sim->params.newton_tolerance * sim->params.thickness) break;
-  }
-  CLOTH_TRY(cloth_holds_measure(sim, err));
-  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
-                                                      : CLOTH_EFFECT_body_contact;
+  CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
+  sim->owner = owner_of_contact(sim);
   if (!touch && sim->active[CLOTH_EFFECT_body_contact]) {
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
     touch = sim->report->bodies_near > 0;
   }
-  if (touch)
-    STAGE(ccd, cloth_ccd_stage(sim, &left, err)); // ccd/ccd.c          what would pass through
-  if (touch) CLOTH_TRY(cloth_contact_totals(sim, err));
+  if (touch) CLOTH_TRY(part_what_meets(sim, &left, err));
   sim->owner = CLOTH_CORE;
   sim->impacts_left = left;
   *result = left > 0 ? OUTCOME_IMPACTS : OUTCOME_GOOD;

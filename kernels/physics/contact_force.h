@@ -56,6 +56,8 @@ CLOTH_FN void cloth_contact_force(int i, const cloth_contact_force_args *a)
   cloth_real along = cloth_v3_dot(n, u), d = d0 + along;
   // far pairs are springs that begin at t, not barriers linearised out there
   cloth_real at = a->first_iterate ? (d0 < t ? d0 : t) : (d < t ? d : t);
+  // what has passed is fetched back from a moderate force: a tangent from inside would say nothing
+  if (!(at > 0)) at = t / 2;
   cloth_real load = cloth_contact_barrier(a->k[i], t, at, &stiffness);
   cloth_real pressure = load + stiffness * (at - d);
   int active = pressure > 0;

@@ -7,6 +7,10 @@
 #include "distance.h"
 #include "pair_key.h"
 
+enum {
+  CLOTH_WHOLE = 1 << 20
+}; // all of a substep, in fixed point: a minimum of integers has no order
+
 typedef struct cloth_contact_scene {
   int cloth_vertices;       // vertices from here on belong to bodies
   const int *triangle;      // [triangles x 3]
@@ -95,6 +99,33 @@ CLOTH_FN cloth_v3 cloth_contact_motion(const cloth_contact_geometry *g, const cl
                             cloth_v3_sub(cloth_v3_load(x, v), cloth_v3_load(x_t0, v)));
   }
   return u;
+}
+
+/// As cloth_contact_measure(), at `share` of the way from x_t0 to x.
+CLOTH_FN void cloth_contact_measure_at(const cloth_contact_scene *s, cloth_real share,
+                                       cloth_contact_geometry *g)
+{
+  cloth_real at[12];
+  cloth_v3 o = cloth_v3_load(s->x_t0, g->vertex[0]);
+  cloth_contact_geometry there = *g;
+  for (int k = 0; k < 4; k++) {
+    cloth_v3 x_t0 = cloth_v3_sub(cloth_v3_load(s->x_t0, g->vertex[k]), o);
+    cloth_v3 x = cloth_v3_sub(cloth_v3_load(s->x, g->vertex[k]), o);
+    cloth_v3_store(at, k, cloth_v3_add_scaled(x_t0, share, cloth_v3_sub(x, x_t0)));
+    there.vertex[k] = k;
+  }
+  cloth_contact_measure(at, &there);
+  for (int k = 0; k < 4; k++) g->weight[k] = there.weight[k];
+  g->normal = there.normal, g->distance = there.distance, g->proper = there.proper;
+}
+
+/// n . sum w_k x_k, positions relative to the first vertex.
+CLOTH_FN cloth_real cloth_contact_along(const cloth_contact_geometry *g, const cloth_real *x)
+{
+  cloth_v3 o = cloth_v3_load(x, g->vertex[0]), d = cloth_v3_make(0, 0, 0);
+  for (int k = 1; k < 4; k++)
+    d = cloth_v3_add_scaled(d, g->weight[k], cloth_v3_sub(cloth_v3_load(x, g->vertex[k]), o));
+  return cloth_v3_dot(g->normal, d);
 }
 
 /// The body in the pair, or -1. There is at most one: bodies do not touch each other.

@@ -8,8 +8,6 @@
 #define CLOTH_IMPACT_SHARE                                                                         \
   (cloth_real)0.1 // a pair that starts closer keeps this much of its distance
 
-enum { CLOTH_WHOLE = 1 << 20 }; // the whole way, in fixed point: a minimum of integers has no order
-
 /// 1 if the pair's distance falls to min(gap, CLOTH_IMPACT_SHARE times that at the start), with the
 /// time, never late, in *toi [0, 1] and the four vertices in *g. moved: [cloth vertices] pairs
 /// without a vertex so marked are known to be free; NULL tests all.

@@ -10,7 +10,7 @@ typedef struct cloth_impact_find_args {
   const unsigned char *moved; // [cloth vertices], see impact.h
   const uint64_t *pair;       // [n]
   uint64_t *key;              // [capacity], appended
-  uint32_t *toi;              // [capacity] of CLOTH_WHOLE, appended
+  uint32_t *toi;              // [capacity] of CLOTH_WHOLE, at least 1; appended
   uint32_t capacity;
   uint32_t *count; // [1] counts up, also past the capacity
 } cloth_impact_find_args;
@@ -23,5 +23,6 @@ CLOTH_FN void cloth_impact_find(int i, const cloth_impact_find_args *a)
   uint32_t at = cloth_atomic_add(a->count, 1);
   if (at >= a->capacity) return;
   a->key[at] = a->pair[i];
-  a->toi[at] = (uint32_t)(toi * (cloth_real)CLOTH_WHOLE); // rounded down: earlier
+  uint32_t time = (uint32_t)(toi * (cloth_real)CLOTH_WHOLE); // rounded down: earlier
+  a->toi[at] = time > 0 ? time : 1;                          // 0 is no impact, see contact_build.h
 }

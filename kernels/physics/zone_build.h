@@ -28,20 +28,11 @@ CLOTH_FN void cloth_zone_build(int i, const cloth_zone_build_args *a)
   // twice what counts as an impact, or half of what there was: five times what impact.h asks for
   cloth_real apart = g.distance / 2 < 2 * a->gap ? g.distance / 2 : 2 * a->gap;
 
-  cloth_real share = (cloth_real)a->toi[c] / (cloth_real)CLOTH_WHOLE, at[12];
-  cloth_v3 o = cloth_v3_load(s->x_t0, g.vertex[0]);
-  for (int k = 0; k < 4; k++) {
-    cloth_v3 x_t0 = cloth_v3_sub(cloth_v3_load(s->x_t0, g.vertex[k]), o);
-    cloth_v3 x = cloth_v3_sub(cloth_v3_load(s->x, g.vertex[k]), o);
-    cloth_v3_store(at, k, cloth_v3_add_scaled(x_t0, share, cloth_v3_sub(x, x_t0)));
-  }
-  cloth_contact_geometry there = g;
-  for (int k = 0; k < 4; k++) there.vertex[k] = k;
-  cloth_contact_measure(at, &there);
+  cloth_contact_measure_at(s, (cloth_real)a->toi[c] / (cloth_real)CLOTH_WHOLE, &g);
   for (int k = 0; k < 4; k++) {
     a->vertex[4 * c + k] = g.vertex[k];
-    a->weight[4 * c + k] = there.weight[k];
+    a->weight[4 * c + k] = g.weight[k];
   }
-  cloth_v3_store(a->normal, c, there.normal);
+  cloth_v3_store(a->normal, c, g.normal);
   a->apart[c] = apart;
 }

@@ -79,6 +79,7 @@ cloth_status cloth_impacts_find(cloth_sim *sim, bool moved, cloth_error *err)
     cloth_part *p = &sim->part[i];
     uint32_t count;
     CLOTH_TRY(find_on_part(sim, p, moved, &count, err));
+    p->zone.found_count = (int)count;
     if (count == 0) continue;
     CLOTH_TRY(grow_found(z, z->found_count + (int)count, err));
     CLOTH_TRY(
@@ -110,15 +111,20 @@ static cloth_status remember_solved(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
-cloth_status cloth_ccd_stage(cloth_sim *sim, int *left, cloth_error *err)
+cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err)
+{
+  CLOTH_TRY(cloth_impacts_cover(sim, err));
+  CLOTH_TRY(cloth_impacts_find(sim, false, err));
+  *impacts = sim->zones.found_count;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err)
 {
   cloth_zones *z = &sim->zones;
   *left = 0;
-  CLOTH_TRY(cloth_impacts_cover(sim, err));
-  CLOTH_TRY(cloth_impacts_find(sim, false, err));
   if (z->found_count == 0) return CLOTH_OK;
   sim->report->impacts += z->found_count;
-
   CLOTH_TRY(remember_solved(sim, err));
   z->count = 0;
   for (int round = 0; round < sim->params.zone_iterations_max && z->found_count > 0; round++) {

@@ -51,6 +51,7 @@ typedef struct cloth_zone_part {
   uint64_t *found_key;
   uint32_t *found_toi;
   uint32_t found_capacity;
+  int found_count; // of the last detection
   uint64_t *key;
   uint32_t *toi;
   int *vertex, *fresh, *member, *local, *first, *moving_first, *moving, *deal;

@@ -45,12 +45,16 @@ cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_par
   return s;
 }
 
+// Room for n contacts; those there are stay.
 static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth_error *err)
 {
   if (n <= p->contact_capacity) return CLOTH_OK;
   const size_t real = sizeof(cloth_real);
-  CLOTH_TRY(cloth_grow(sim, p, "contact", 8 * n, &p->contact, err));
+  size_t kept = (size_t)p->contact_count;
+  CLOTH_TRY(cloth_extend(sim, p, "contact", 8 * n, 8 * kept, &p->contact, err));
+  CLOTH_TRY(cloth_extend(sim, p, "contact_toi", 4 * n, 4 * kept, &p->contact_toi, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_spare", 8 * n, &p->contact_spare, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_toi_spare", 4 * n, &p->contact_toi_spare, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_vertex", 4 * sizeof(int) * n, &p->contact_vertex, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_weight", 4 * real * n, &p->contact_weight, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_normal", 3 * real * n, &p->contact_normal, err));
@@ -79,9 +83,13 @@ static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
                                  p->contact_capacity, p->counter + COUNT_CONTACTS};
     CLOTH_LAUNCH(sim, p, contact_find, p->pair_count, &a, err);
     CLOTH_TRY(cloth_count_read(sim, p, COUNT_CONTACTS, &count, err));
+    p->contact_count = 0;
+    if (count > p->contact_capacity) {
+      CLOTH_TRY(grow_contacts(sim, p, count, err)); // too small: once more
+      continue;
+    }
     p->contact_count = (int)count;
-    if (count <= p->contact_capacity) return CLOTH_OK;
-    CLOTH_TRY(grow_contacts(sim, p, count, err)); // too small: once more
+    return sim->backend->fill(p->device, p->contact_toi, 0, 4 * (size_t)count, err);
   }
 }
 
@@ -108,28 +116,52 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
   return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, rows + 1, &r, err);
 }
 
+// planes and rows of the pairs in the list, which is put in order
+static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  if (p->contact_count == 0) return CLOTH_OK;
+  CLOTH_TRY(sim->backend->sort(p->device, p->contact_count,
+                               1 + sim->format.bits_a + sim->format.bits_b, p->contact,
+                               p->contact_toi, p->contact_spare, p->contact_toi_spare, err));
+  cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
+                                .count = p->contact_count,
+                                .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                .inverse_step = (cloth_real)(1 / sim->h),
+                                .contact = p->contact,
+                                .toi = p->contact_toi,
+                                .vertex = p->contact_vertex,
+                                .weight = p->contact_weight,
+                                .normal = p->contact_normal,
+                                .distance = p->contact_distance,
+                                .thickness = p->contact_thickness,
+                                .k = p->contact_k,
+                                .mu = p->contact_mu};
+  CLOTH_LAUNCH(sim, p, contact_build, p->contact_count, &a, err);
+  return index_rows(sim, p, err);
+}
+
 cloth_status cloth_contact_build_stage(cloth_sim *sim, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(find(sim, p, err));
-    if (p->contact_count == 0) continue;
-    CLOTH_TRY(sim->backend->sort(p->device, p->contact_count,
-                                 1 + sim->format.bits_a + sim->format.bits_b, p->contact, NULL,
-                                 p->contact_spare, NULL, err));
-    cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
-                                  .stiffness = (cloth_real)sim->params.contact_stiffness,
-                                  .inverse_step = (cloth_real)(1 / sim->h),
-                                  .contact = p->contact,
-                                  .vertex = p->contact_vertex,
-                                  .weight = p->contact_weight,
-                                  .normal = p->contact_normal,
-                                  .distance = p->contact_distance,
-                                  .thickness = p->contact_thickness,
-                                  .k = p->contact_k,
-                                  .mu = p->contact_mu};
-    CLOTH_LAUNCH(sim, p, contact_build, p->contact_count, &a, err);
-    CLOTH_TRY(index_rows(sim, p, err));
+    CLOTH_TRY(build(sim, p, err));
+  }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_contact_add_impacts(cloth_sim *sim, cloth_error *err)
+{
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    size_t n = (size_t)p->zone.found_count, known = (size_t)p->contact_count;
+    if (n > 0) {
+      CLOTH_TRY(grow_contacts(sim, p, known + n, err));
+      CLOTH_TRY(cloth_copy_local(sim, p, p->contact + known, p->zone.found_key, 8 * n, err));
+      CLOTH_TRY(cloth_copy_local(sim, p, p->contact_toi + known, p->zone.found_toi, 4 * n, err));
+      p->contact_count += (int)n;
+    }
+    CLOTH_TRY(build(sim, p, err)); // all parts: earlier impacts are measured on the new way too
   }
   return CLOTH_OK;
 }

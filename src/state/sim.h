@@ -94,6 +94,7 @@ typedef struct cloth_part {
 
   // contacts
   uint64_t *contact, *contact_spare;
+  uint32_t *contact_toi, *contact_toi_spare; // 0, or time of an impact
   int *contact_vertex;
   cloth_real *contact_weight, *contact_normal, *contact_distance, *contact_thickness, *contact_k,
       *contact_mu, *contact_force, *contact_tangent, *contact_pressure, *contact_q;
@@ -295,7 +296,8 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_effects_apply(cloth_sim *sim, int iteration, cloth_error *err);
 cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
-cloth_status cloth_ccd_stage(cloth_sim *sim, int *left, cloth_error *err);
+cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
+cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
 // ---- parts (solve/exchange.c) -------------------------------------------------------------------
 

@@ -101,8 +101,9 @@ static int random_motions_pass_nothing_through(void)
     double motion = 0.004 * (1 + seed % 4);
     move(sim, motion, 0.02, seed);
     would += piercings(sim, 1);
-    int left;
-    must(cloth_ccd_stage(sim, &left, &err), &err);
+    int impacts, left;
+    must(cloth_ccd_detect(sim, &impacts, &err), &err);
+    must(cloth_ccd_resolve(sim, &left, &err), &err);
     CHECK(left == 0);
     for (int k = 1; k <= TIMES; k++) CHECK(piercings(sim, (double)k / TIMES) == 0);
     zones += sim->report->zones, held_back += sim->report->held_back;
@@ -120,8 +121,9 @@ static int zones_alone_are_enough_for_moderate_motion(void)
     cloth_def *def = def_of("cpu", 2, false);
     cloth_sim *sim = sim_new(def);
     move(sim, 0.008, 0, seed);
-    int left, would = piercings(sim, 1);
-    must(cloth_ccd_stage(sim, &left, &err), &err);
+    int impacts, left, would = piercings(sim, 1);
+    must(cloth_ccd_detect(sim, &impacts, &err), &err);
+    must(cloth_ccd_resolve(sim, &left, &err), &err);
     CHECK(would > 0 && sim->report->zones > 0 && sim->report->held_back == 0);
     CHECK(piercings(sim, 1) == 0);
     cloth_sim_free(sim), cloth_def_free(def);
@@ -135,10 +137,11 @@ static int zones_keep_momentum(void)
   cloth_def *def = def_of("cpu", 2, false);
   cloth_sim *sim = sim_new(def);
   move(sim, 0.008, 0, 5);
-  int left, n = 3 * sim->vertex_count;
+  int impacts, left, n = 3 * sim->vertex_count;
   double *before = malloc(sizeof *before * (size_t)n), sum[3] = {0, 0, 0}, size = 0;
   for (int i = 0; i < n; i++) before[i] = (double)sim->part[0].x[i];
-  must(cloth_ccd_stage(sim, &left, &err), &err);
+  must(cloth_ccd_detect(sim, &impacts, &err), &err);
+  must(cloth_ccd_resolve(sim, &left, &err), &err);
   for (int i = 0; i < n; i++) {
     double impulse = sim->mass[i / 3] * ((double)sim->part[0].x[i] - before[i]);
     sum[i % 3] += impulse, size += fabs(impulse);
@@ -187,13 +190,14 @@ static int one_impact_is_its_closed_form(void)
   move(sim, 0, 0, 1);
   const int *f;
   double bary[3], depth = 0.0005;
-  int v = above(sim, &f, bary), left;
+  int v = above(sim, &f, bary), impacts, left;
   CHECK(v >= 0);
   cloth_real *x = sim->part[0].x;
   x[3 * v + 2] = (cloth_real)-depth;
   sim->pairs_valid = false;
   must(cloth_pairs_search(sim, &err), &err);
-  must(cloth_ccd_stage(sim, &left, &err), &err);
+  must(cloth_ccd_detect(sim, &impacts, &err), &err);
+  must(cloth_ccd_resolve(sim, &left, &err), &err);
   CHECK(left == 0 && sim->report->impacts == 1 && sim->report->zones == 1);
   CHECK(sim->report->zone_rounds == 1 && sim->report->zone_largest == 4);
   // sum w^2 / m dp = what closes it; each vertex gets its share of the impulse over its mass
@@ -218,10 +222,11 @@ static int what_meets_nothing_is_not_touched(void)
   cloth_def *def = def_of("cpu", 2, true);
   cloth_sim *sim = sim_new(def);
   move(sim, 0.001, 0.001, 3);
-  int left, n = 3 * sim->vertex_count;
+  int impacts, left, n = 3 * sim->vertex_count;
   cloth_real *before = malloc(sizeof *before * (size_t)n);
   memcpy(before, sim->part[0].x, sizeof *before * (size_t)n);
-  must(cloth_ccd_stage(sim, &left, &err), &err);
+  must(cloth_ccd_detect(sim, &impacts, &err), &err);
+  must(cloth_ccd_resolve(sim, &left, &err), &err);
   int same = memcmp(before, sim->part[0].x, sizeof *before * (size_t)n) == 0;
   free(before);
   CHECK(same && sim->report->impacts == 0 && sim->report->zones == 0);
@@ -238,9 +243,10 @@ static int parts_solve_zones_to_the_same_bits(void)
     cloth_def *def = def_of(devices[d], SHEETS, true);
     cloth_sim *sim = sim_new(def);
     move(sim, 0.012, 0.02, 9);
-    int left;
+    int impacts, left;
     size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
-    must(cloth_ccd_stage(sim, &left, &err), &err);
+    must(cloth_ccd_detect(sim, &impacts, &err), &err);
+    must(cloth_ccd_resolve(sim, &left, &err), &err);
     CHECK(sim->report->zones > 0);
     if (d == 0) memcpy(first, sim->part[0].x, bytes);
     for (int p = 0; p < sim->part_count; p++) CHECK(memcmp(first, sim->part[p].x, bytes) == 0);

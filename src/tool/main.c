@@ -7,7 +7,8 @@
 #include <unistd.h>
 
 static const tool_command *const commands[] = {
-    &tool_run, &tool_info, &tool_replay, &tool_bench, &tool_params, NULL,
+    &tool_run,   &tool_info, &tool_replay,   &tool_bench, &tool_params,
+    &tool_check, &tool_ccd,  &tool_ccd_mesh, NULL,
 };
 
 static void print_usage(FILE *out)
@@ -17,7 +18,8 @@ static void print_usage(FILE *out)
     fprintf(out, "  %-8s %s\n", commands[i]->name, commands[i]->meaning);
   fprintf(out, "\n  cloth COMMAND --help   what a command takes\n"
                "  cloth --version        version\n\n"
-               "exit codes: 0 done, 1 simulation failed or replay differs, 2 bad input\n");
+               "exit codes: 0 done, 1 simulation failed, replay differs or a check found something, 2 bad "
+               "input\n");
 }
 
 static void print_options(const tool_option *option)

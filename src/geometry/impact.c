@@ -5,18 +5,21 @@
 #include <math.h>
 #include <string.h>
 
-// times 2^-exponent, with which the largest of |x| is in [0.5, 1): squares and cubes neither over-
-// nor underflow where it matters. Exact, but for bits 2^-1074 below the largest.
-static void scale(double x[8][3])
+// Times a power of two after which the largest of |x| is in [0.5, 1), so that squares and cubes
+// neither over- nor underflow where it matters; left alone where it is within 2^-allowed and
+// 2^allowed. Exact, but for bits 2^-1022 below the largest.
+static void scale(double x[8][3], int allowed)
 {
   double largest = 0;
   int exponent;
   for (int p = 0; p < 8; p++)
-    for (int k = 0; k < 3; k++) largest = fmax(largest, fabs(x[p][k]));
+    for (int k = 0; k < 3; k++) largest = fabs(x[p][k]) > largest ? fabs(x[p][k]) : largest;
   frexp(largest, &exponent);
-  if (largest == 0 || exponent == 0) return;
+  if (largest == 0 || (exponent >= -allowed && exponent <= allowed)) return;
+  // in two factors: one alone may be out of range
+  double half = ldexp(1, -exponent / 2), rest = ldexp(1, -exponent - -exponent / 2);
   for (int p = 0; p < 8; p++)
-    for (int k = 0; k < 3; k++) x[p][k] = ldexp(x[p][k], -exponent);
+    for (int k = 0; k < 3; k++) x[p][k] = x[p][k] * half * rest;
 }
 
 // The largest float that is not above t in [0, 1].
@@ -34,7 +37,7 @@ static bool may_touch_in_float(int split, const double x[8][3], double *toi)
   double y[8][3];
   for (int p = 0; p < 8; p++)
     for (int k = 0; k < 3; k++) y[p][k] = x[p][k] - x[1][k];
-  scale(y);
+  scale(y, 0);
   return cloth_impact_search_f32(split, (const double(*)[3])y, toi);
 }
 
@@ -44,7 +47,7 @@ cloth_impact_result cloth_impact_test(cloth_impact_kind kind, cloth_impact_preci
   cloth_impact_result r = {false, false, 0};
   double y[8][3], in_float = 0;
   memcpy(y, x, sizeof y);
-  scale(y);
+  scale(y, 100);
   if (precision != CLOTH_IMPACT_DOUBLE) {
     r.hit = may_touch_in_float((int)kind, (const double(*)[3])y, &in_float);
     r.toi = in_float;

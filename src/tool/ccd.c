@@ -16,7 +16,7 @@ static const tool_option options[] = {
     {NULL, NULL, NULL},
 };
 
-enum { BATCH = 8192 };
+enum { BATCH = 32768 };
 
 typedef struct ccd {
   cloth_impact_precision precision;

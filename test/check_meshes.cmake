@@ -19,6 +19,7 @@ if(CGAL_FOUND)
     target_include_directories(test_triangle_test PRIVATE ${CMAKE_CURRENT_LIST_DIR}/../src)
     target_compile_options(test_triangle_test PRIVATE -O1)
     target_link_libraries(test_triangle_test PRIVATE cloth check_meshes_core GTest::gtest GTest::gtest_main)
+    target_link_options(test_triangle_test PRIVATE ${CLOTH_SANITIZE_FLAGS}) # as the library it links
     add_test(NAME geometry_triangle_test COMMAND test_triangle_test)
   endif()
 else()

@@ -1,16 +1,17 @@
 #include "geometry/exact_integer.h"
 
 #include <limits.h>
-#include <math.h>
+#include <string.h>
 
-// x = mantissa 2^exponent with an odd mantissa; x is not 0
+// |x| = mantissa 2^exponent, read from the bits of an IEEE 754 double
 static uint64_t take_apart(double x, int *exponent)
 {
-  uint64_t mantissa = (uint64_t)ldexp(fabs(frexp(x, exponent)), 53);
-  *exponent -= 53;
-  while ((mantissa & 0xff) == 0) mantissa >>= 8, *exponent += 8;
-  while ((mantissa & 1) == 0) mantissa >>= 1, *exponent += 1;
-  return mantissa;
+  uint64_t bits;
+  memcpy(&bits, &x, sizeof bits);
+  int field = (int)(bits >> 52 & 0x7ff);
+  uint64_t fraction = bits & (((uint64_t)1 << 52) - 1);
+  *exponent = field ? field - 1075 : -1074;
+  return field ? fraction | (uint64_t)1 << 52 : fraction; // denormals have no leading 1
 }
 
 int cloth_exact_low(double x)

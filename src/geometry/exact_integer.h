@@ -1,5 +1,5 @@
 // Whole numbers as long as sums of products of three coordinates need, on the stack. A double is a
-// whole number of 2^low for its lowest set bit; with a common `low` the coordinates of a predicate
+// whole number of 2^low for the last of its digits; with a common `low` the coordinates of a predicate
 // are whole numbers, and nothing that is added or multiplied from them rounds, under- or overflows,
 // from the least denormal to the largest double.
 #pragma once
@@ -17,7 +17,7 @@ typedef struct cloth_exact {
   uint32_t limb[CLOTH_EXACT_LIMBS];
 } cloth_exact;
 
-/// The exponent of the lowest set bit of x (finite), INT_MAX for 0.
+/// The exponent of the last of the 53 digits of x (finite), INT_MAX for 0.
 int cloth_exact_low(double x);
 
 /// out = x / 2^low; low is at most cloth_exact_low(x).

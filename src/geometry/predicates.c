@@ -25,12 +25,12 @@ static int common_low(const double *const x[], int n)
   return low;
 }
 
-static void exact_difference(double a, double b, int low, cloth_exact *out)
+// out = x / 2^low - start
+static void exact_difference(double x, const cloth_exact *start, int low, cloth_exact *out)
 {
-  cloth_exact p, q;
-  cloth_exact_set(a, low, &p);
-  cloth_exact_set(b, low, &q);
-  cloth_exact_add(&p, &q, -1, out);
+  cloth_exact p;
+  cloth_exact_set(x, low, &p);
+  cloth_exact_add(&p, start, -1, out);
 }
 
 // out = a d - b c
@@ -45,10 +45,12 @@ static void exact_minor(const cloth_exact *a, const cloth_exact *b, const cloth_
 
 static int exact_orient3d(const double *const x[4])
 {
-  cloth_exact e[3][3], minor, product, sum[2];
+  cloth_exact start, e[3][3], minor, product, sum[2];
   int low = common_low(x, 4);
-  for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++) exact_difference(x[i + 1][k], x[0][k], low, &e[i][k]);
+  for (int k = 0; k < 3; k++) {
+    cloth_exact_set(x[0][k], low, &start);
+    for (int i = 0; i < 3; i++) exact_difference(x[i + 1][k], &start, low, &e[i][k]);
+  }
   sum[0].sign = sum[0].count = 0;
   for (int k = 0; k < 3; k++) {
     int p = (k + 1) % 3, q = (k + 2) % 3;
@@ -95,11 +97,13 @@ int cloth_orient2d(const double a[3], const double b[3], const double c[3], int 
     return sign_of(sum);
   const double *const x[3] = {a, b, c};
   int low = common_low(x, 3);
-  cloth_exact e[4], minor;
-  exact_difference(b[p], a[p], low, &e[0]);
-  exact_difference(b[q], a[q], low, &e[1]);
-  exact_difference(c[p], a[p], low, &e[2]);
-  exact_difference(c[q], a[q], low, &e[3]);
+  cloth_exact start[2], e[4], minor;
+  cloth_exact_set(a[p], low, &start[0]);
+  cloth_exact_set(a[q], low, &start[1]);
+  exact_difference(b[p], &start[0], low, &e[0]);
+  exact_difference(b[q], &start[1], low, &e[1]);
+  exact_difference(c[p], &start[0], low, &e[2]);
+  exact_difference(c[q], &start[1], low, &e[3]);
   exact_minor(&e[0], &e[1], &e[2], &e[3], &minor);
   return minor.sign;
 }

@@ -1,7 +1,7 @@
 // Whole numbers as long as sums of products of three coordinates need, on the stack. A double is a
-// whole number of 2^low for the last of its digits; with a common `low` the coordinates of a predicate
-// are whole numbers, and nothing that is added or multiplied from them rounds, under- or overflows,
-// from the least denormal to the largest double.
+// whole number of 2^low for the last of its digits; with a common `low` the coordinates of a
+// predicate are whole numbers, and nothing that is added or multiplied from them rounds, under- or
+// overflows, from the least denormal to the largest double.
 #pragma once
 
 #include <stdint.h>

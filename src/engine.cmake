@@ -3,7 +3,7 @@ find_package(OpenMP REQUIRED COMPONENTS C)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(YAML REQUIRED IMPORTED_TARGET yaml-0.1)
 
-file(GLOB CLOTH_HOST_SOURCES CONFIGURE_DEPENDS src/*.c src/scene/*.c src/links/*.c)
+file(GLOB CLOTH_HOST_SOURCES CONFIGURE_DEPENDS src/*.c src/scene/*.c src/links/*.c src/geometry/*.c)
 file(GLOB CLOTH_ENGINE_SOURCES CONFIGURE_DEPENDS src/engine/*.c src/state/*.c src/effect/*.c
      src/contact/*.c src/solve/*.c src/ccd/*.c kernels/cpu/*.c)
 list(REMOVE_ITEM CLOTH_HOST_SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/src/step.c)
@@ -52,6 +52,6 @@ target_compile_definitions(cloth_engine_f32 PRIVATE CLOTH_SINGLE_PRECISION)
 
 add_library(cloth SHARED ${CLOTH_HOST_SOURCES})
 cloth_c_target(cloth)
-target_link_libraries(cloth PRIVATE cloth_f32 cloth_f64 PkgConfig::YAML m)
+target_link_libraries(cloth PRIVATE cloth_f32 cloth_f64 PkgConfig::YAML OpenMP::OpenMP_C m)
 target_include_directories(cloth INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>
                            $<INSTALL_INTERFACE:include>)

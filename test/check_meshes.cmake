@@ -13,6 +13,14 @@ if(CGAL_FOUND)
     add_executable(test_check_meshes ${CMAKE_CURRENT_LIST_DIR}/test_check_meshes.cpp)
     target_link_libraries(test_check_meshes PRIVATE check_meshes_core GTest::gtest GTest::gtest_main)
     add_test(NAME check_meshes COMMAND test_check_meshes)
+
+    # the command's own predicates against CGAL's
+    add_executable(test_triangle_test ${CMAKE_CURRENT_LIST_DIR}/geometry/test_triangle_test.cpp)
+    target_include_directories(test_triangle_test PRIVATE ${CMAKE_CURRENT_LIST_DIR}/../src)
+    target_compile_options(test_triangle_test PRIVATE -O1)
+    target_link_libraries(test_triangle_test PRIVATE cloth check_meshes_core GTest::gtest GTest::gtest_main)
+    target_link_options(test_triangle_test PRIVATE ${CLOTH_SANITIZE_FLAGS}) # as the library it links
+    add_test(NAME geometry_triangle_test COMMAND test_triangle_test)
   endif()
 else()
   message(STATUS "CGAL not found: no check_meshes (Debian: libcgal-dev)")

@@ -7,7 +7,8 @@
 #include <unistd.h>
 
 static const tool_command *const commands[] = {
-    &tool_run, &tool_info, &tool_replay, &tool_bench, &tool_params, NULL,
+    &tool_run,   &tool_info, &tool_replay,   &tool_bench, &tool_params,
+    &tool_check, &tool_ccd,  &tool_ccd_mesh, NULL,
 };
 
 static void print_usage(FILE *out)
@@ -15,9 +16,12 @@ static void print_usage(FILE *out)
   fprintf(out, "cloth: cloth for robots\n\nusage: cloth COMMAND ...\n\n");
   for (int i = 0; commands[i]; i++)
     fprintf(out, "  %-8s %s\n", commands[i]->name, commands[i]->meaning);
-  fprintf(out, "\n  cloth COMMAND --help   what a command takes\n"
-               "  cloth --version        version\n\n"
-               "exit codes: 0 done, 1 simulation failed or replay differs, 2 bad input\n");
+  fprintf(
+      out,
+      "\n  cloth COMMAND --help   what a command takes\n"
+      "  cloth --version        version\n\n"
+      "exit codes: 0 done, 1 simulation failed, replay differs or a check found something, 2 bad "
+      "input\n");
 }
 
 static void print_options(const tool_option *option)
@@ -78,9 +82,9 @@ static int run_command(const tool_command *command, int argc, char **argv)
   return code;
 }
 
-// OpenMP's threads spin while they wait, unless the environment says otherwise before the program starts.
-// On a core that somebody else needs too, that makes a step ten times slower; on an idle machine it
-// hardly helps. So: sleep by default, and start over with that said.
+// OpenMP's threads spin while they wait, unless the environment says otherwise before the program
+// starts. On a core that somebody else needs too, that makes a step ten times slower; on an idle
+// machine it hardly helps. So: sleep by default, and start over with that said.
 static void sleep_while_waiting(char **argv)
 {
   if (getenv("OMP_WAIT_POLICY") != NULL || setenv("OMP_WAIT_POLICY", "passive", 1) != 0) return;

@@ -2,7 +2,7 @@
 file(GLOB CLOTH_TOOL_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/*.c)
 add_executable(cloth_command ${CLOTH_TOOL_SOURCES})
 cloth_c_target(cloth_command)
-target_link_libraries(cloth_command PRIVATE cloth m)
+target_link_libraries(cloth_command PRIVATE cloth OpenMP::OpenMP_C m)
 # _GNU_SOURCE: POSIX files, signals and clocks beside strict C11
 target_compile_definitions(cloth_command PRIVATE _GNU_SOURCE CLOTH_VERSION="${PROJECT_VERSION}")
 set_target_properties(cloth_command PROPERTIES OUTPUT_NAME cloth RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})

@@ -12,7 +12,7 @@
 /// Exit codes. A run that a signal ended exits with 128 + its number.
 enum {
   TOOL_DONE = 0,
-  TOOL_FAILED = 1,    // the simulation failed, or a replay differs
+  TOOL_FAILED = 1,    // the simulation failed, a replay differs, or a check found something
   TOOL_BAD_INPUT = 2, // usage, a file, a key, a value
 };
 
@@ -91,4 +91,5 @@ const char *tool_bytes(uint64_t bytes, char out[32]);
 
 // ---- the subcommands ---------------------------------------------------------------------------
 
-extern const tool_command tool_run, tool_info, tool_replay, tool_bench, tool_params;
+extern const tool_command tool_run, tool_info, tool_replay, tool_bench, tool_params, tool_check,
+    tool_ccd, tool_ccd_mesh;

@@ -7,6 +7,8 @@ if(Python3_FOUND AND TARGET cloth_command)
   endif()
   add_test(NAME tool_command COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/test_command.py
            $<TARGET_FILE:cloth_command> ${CLOTH_CHECK_MESHES})
+  add_test(NAME tool_geometry COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/test_geometry.py
+           $<TARGET_FILE:cloth_command> ${CLOTH_CHECK_MESHES})
   # the tables of README.md are the code's
   add_test(NAME readme COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/../test_readme.py
            $<TARGET_FILE:cloth_command>)

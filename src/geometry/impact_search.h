@@ -1,0 +1,5 @@
+// toi.h in each precision, for impact.c. x [8 x 3]: four points at the start, then at the end.
+#pragma once
+
+int cloth_impact_search_f32(int split, const double x[8][3], double *toi);
+int cloth_impact_search_f64(int split, const double x[8][3], double *toi);

@@ -10,6 +10,8 @@
 
 #include <stdlib.h>
 
+enum { ZONE_LOOK = 3 }; // rounds in which the number of impacts should halve
+
 #define IMPACT_GAP 0.05 // distance that counts as an impact, as a share of the thickness
 
 double cloth_impact_gap(const cloth_sim *sim) { return IMPACT_GAP * sim->params.thickness; }
@@ -127,7 +129,13 @@ cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err)
   sim->report->impacts += z->found_count;
   CLOTH_TRY(remember_solved(sim, err));
   z->count = 0;
+  int before = 0;
   for (int round = 0; round < sim->params.zone_iterations_max && z->found_count > 0; round++) {
+    if (round % ZONE_LOOK == 0) {
+      if (round > 0 && 2 * z->found_count > before)
+        break; // no room: more of the same will not help
+      before = z->found_count;
+    }
     CLOTH_TRY(cloth_zones_add(sim, err));
     CLOTH_TRY(cloth_zones_project(sim, cloth_impact_gap(sim), err));
     CLOTH_TRY(cloth_impacts_cover(sim, err));

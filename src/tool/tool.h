@@ -91,5 +91,5 @@ const char *tool_bytes(uint64_t bytes, char out[32]);
 
 // ---- the subcommands ---------------------------------------------------------------------------
 
-extern const tool_command tool_run, tool_info, tool_replay, tool_bench, tool_params, tool_check,
-    tool_ccd, tool_ccd_mesh;
+extern const tool_command tool_links, tool_run, tool_info, tool_replay, tool_bench, tool_params,
+    tool_check, tool_ccd, tool_ccd_mesh;

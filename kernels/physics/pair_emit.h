@@ -5,6 +5,7 @@
 
 #include "atomic.h"
 #include "box.h"
+#include "flat_patch.h"
 #include "pair_key.h"
 
 typedef struct cloth_pair_mesh {
@@ -21,6 +22,7 @@ typedef struct cloth_pair_mesh {
   int first, last;              // vertices of this part: pairs that touch none of them are left out
   int triangles_only;           // 1: report (cloth triangle, body triangle) instead of features
   cloth_key_format format;
+  cloth_flat_map flat; // what need not be looked at
   uint64_t *key; // [capacity]
   uint32_t capacity;
   uint32_t *count; // [1] counts up, also past the capacity

@@ -31,27 +31,36 @@ CLOTH_FN int cloth_work_find(const uint32_t *work, int entries, uint32_t w)
   return lo;
 }
 
+// Are the triangles of a unit of work of entry e near, and is this the first cell of both? Cell
+// numbers are monotone, so that is the cell of the larger corner. Not if a flat square holds both.
+CLOTH_FN int cloth_pair_meets(const cloth_pair_share_args *a, int e, int ta, int tb)
+{
+  const cloth_pair_mesh *m = &a->mesh;
+  int self = tb < m->cloth_triangles;
+  if (self && !m->self) return 0;
+  cloth_box box_a = cloth_box_load(m->box, ta), box_b = cloth_box_load(m->box, tb);
+  if (!cloth_box_near(box_a, box_b, m->gap)) return 0;
+  cloth_v3 lo = cloth_v3_max(box_a.lo, box_b.lo);
+  int x = cloth_grid_cell(&a->grid, 0, lo.x - a->cell_gap);
+  int y = cloth_grid_cell(&a->grid, 1, lo.y - a->cell_gap);
+  int z = cloth_grid_cell(&a->grid, 2, lo.z - a->cell_gap);
+  if (cloth_grid_key(&a->grid, x, y, z) != a->cell[e]) return 0;
+  return !(self && m->flat.flat &&
+           cloth_flat_holds(&m->flat, cloth_flat_union(cloth_flat_place_of(&m->flat, ta),
+                                                       cloth_flat_place_of(&m->flat, tb))));
+}
+
 CLOTH_FN void cloth_pair_share(int i, const cloth_pair_share_args *a)
 {
   uint32_t total = a->work[a->entries], w = (uint32_t)i * CLOTH_SHARE;
   uint32_t end = w + CLOTH_SHARE < total ? w + CLOTH_SHARE : total;
   if (w >= end) return;
-  const cloth_pair_mesh *m = &a->mesh;
 
   for (int e = cloth_work_find(a->work, a->entries, w); w < end; e++) {
     int ta = (int)a->triangle[e];
-    cloth_box box_a = cloth_box_load(m->box, ta);
     for (; w < end && w < a->work[e + 1]; w++) {
       int tb = (int)a->triangle[e + 1 + (int)(w - a->work[e])];
-      if (tb < m->cloth_triangles && !m->self) continue;
-      cloth_box box_b = cloth_box_load(m->box, tb);
-      if (!cloth_box_near(box_a, box_b, m->gap)) continue;
-      // the first cell of both: cell numbers are monotone, so it is that of the larger corner
-      cloth_v3 lo = cloth_v3_max(box_a.lo, box_b.lo);
-      int x = cloth_grid_cell(&a->grid, 0, lo.x - a->cell_gap);
-      int y = cloth_grid_cell(&a->grid, 1, lo.y - a->cell_gap);
-      int z = cloth_grid_cell(&a->grid, 2, lo.z - a->cell_gap);
-      if (cloth_grid_key(&a->grid, x, y, z) == a->cell[e]) cloth_pair_emit(m, ta, tb);
+      if (cloth_pair_meets(a, e, ta, tb)) cloth_pair_emit(&a->mesh, ta, tb);
     }
   }
 }

@@ -51,6 +51,7 @@ cloth_status cloth_failsafe(cloth_sim *sim, int *left, cloth_error *err)
     CLOTH_TRY(limit(sim, pass >= passes, &seen, err));
     if (seen == 0) return CLOTH_OK;
     CLOTH_TRY(hold_back(sim, err));
+    CLOTH_TRY(cloth_impacts_cover(sim, err)); // a patch may be flat no more
   }
   CLOTH_TRY(cloth_impacts_find(sim, false, err));
   *left = sim->zones.found_count;

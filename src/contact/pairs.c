@@ -7,6 +7,7 @@
 #include "cell_count.h"
 #include "cell_fill.h"
 #include "chunk.h"
+#include "contact/flat.h"
 #include "effect/effect.h"
 #include "entry_work.h"
 #include "pair_large.h"
@@ -46,6 +47,7 @@ cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err
     a.first = sim->body[b].vertex_first;
     CLOTH_LAUNCH(sim, p, vertex_escape, sim->body[b].vertex_count, &a, err);
   }
+  CLOTH_TRY(cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err));
   CLOTH_TRY(cloth_count_read(sim, p, COUNT_ESCAPED, &count, err));
   *escaped = count > 0;
   return CLOTH_OK;
@@ -178,10 +180,16 @@ static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
                   p->cell_key_spare, p->cell_triangle_spare, err);
 }
 
-static cloth_status weigh_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+static cloth_status weigh_cells(cloth_sim *sim, cloth_part *p, hash *h, const cloth_pair_mesh *mesh,
+                                cloth_error *err)
 {
-  cloth_entry_work_args a = {h->entries, p->cell_key, p->cell_triangle, sim->triangle_count,
-                             p->work};
+  cloth_entry_work_args a = {.count = h->entries,
+                             .cell = p->cell_key,
+                             .triangle = p->cell_triangle,
+                             .cloth_triangles = sim->triangle_count,
+                             .self = mesh->self,
+                             .flat = mesh->flat,
+                             .work = p->work};
   CLOTH_LAUNCH(sim, p, entry_work, h->entries, &a, err);
   CLOTH_TRY(sim->backend->scan(p->device, h->entries, p->work, err));
   uint32_t units;
@@ -216,7 +224,6 @@ cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, doub
   CLOTH_TRY(list_near_triangles(sim, p, near, err));
   CLOTH_TRY(make_boxes(sim, p, slack, err));
   CLOTH_TRY(fill_cells(sim, p, &h, err));
-  CLOTH_TRY(weigh_cells(sim, p, &h, err));
   cloth_pair_mesh mesh = {.cloth_vertices = sim->vertex_count,
                           .cloth_triangles = sim->triangle_count,
                           .triangle = p->triangle,
@@ -231,6 +238,11 @@ cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, doub
                           .last = p->v1,
                           .triangles_only = triangles_only,
                           .format = sim->format};
+  if (mesh.self) {
+    CLOTH_TRY(cloth_flat_note(sim, p, err));
+    mesh.flat = cloth_flat_map_of(sim, p);
+  }
+  CLOTH_TRY(weigh_cells(sim, p, &h, &mesh, err));
   for (;;) {
     uint32_t count;
     CLOTH_TRY(emit_pairs(sim, p, &h, &mesh, err));

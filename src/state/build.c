@@ -3,6 +3,7 @@
 
 #include "chunk.h"
 #include "commit_chunk.h"
+#include "contact/flat.h"
 #include "effect/effect.h"
 #include "impact_find.h"
 #include "pcg.h"
@@ -245,6 +246,7 @@ cloth_status cloth_sim_new(const cloth_def *def, void **out, cloth_error *err)
   CLOTH_TRY_GOTO(open_parts(sim, err), status, fail);
   for (int p = 0; p < sim->part_count; p++)
     CLOTH_TRY_GOTO(build_part(sim, &sim->part[p], err), status, fail);
+  CLOTH_TRY_GOTO(cloth_flat_build(sim, err), status, fail);
   int pinned = 0;
   for (int i = 0; i < def->pin_count; i++)
     pinned += def->cloth[def->pin[i].cloth].group[def->pin[i].group].count;

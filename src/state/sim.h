@@ -13,6 +13,7 @@
 #include "backend.h"
 #include "box.h"
 #include "ccd/zones.h"
+#include "flat_patch.h"
 #include "pair_key.h"
 #include "real.h"
 #include "scene/def.h"
@@ -92,6 +93,11 @@ typedef struct cloth_part {
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
 
+  // flat patches, see flat_patch.h; allocated when a cloth is flat at rest
+  int *flat_first, *flat_list, *flat_source, *flat_extent, *flat_place, *flat_level;
+  unsigned char *flat;
+  cloth_real *flat_rest, *flat_height, *flat_gradient, *flat_range;
+
   // contacts
   uint64_t *contact, *contact_spare;
   uint32_t *contact_toi, *contact_toi_spare; // 0, or time of an impact
@@ -118,6 +124,12 @@ typedef struct cloth_part {
   cloth_real *box_of_chunk;      // [chunks x 6] m
   cloth_event *ready, *sent;
 } cloth_part;
+
+/// Tables of contact/flat.c: how many tiles and nodes, and where each level's nodes begin.
+typedef struct cloth_flat {
+  int tiles, nodes; // 0: nothing is culled
+  int level_first[CLOTH_FLAT_LEVELS + 1];
+} cloth_flat;
 
 /// A rigid body, on the host.
 typedef struct cloth_body {
@@ -182,6 +194,7 @@ struct cloth_sim {
   cloth_hold_state *hold;
   int hold_count, hold_capacity, held_count, held_capacity, compliant_count;
   cloth_key_format format;
+  cloth_flat flat;
 
   // effects: index into cloth_effects
   bool active[CLOTH_EFFECTS_MAX];

@@ -77,7 +77,8 @@ static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *er
   for (int i = 0; i < n; i++) sim->host[i] = 1;
   CLOTH_TRY(cloth_upload(sim, p, "free", sim->host, sizeof(cloth_real) * (size_t)n, &p->free, err));
   cloth_real **solve[] = {&p->b, &p->dx, &p->r, &p->z, &p->p, &p->q};
-  for (int i = 0; i < 6; i++) CLOTH_TRY(take_reals(sim, p, "solve", padded, 3, solve[i], err));
+  for (int i = 0; i < 6; i++) // one more: block_rows.h reads past the last vertex
+    CLOTH_TRY(take_reals(sim, p, "solve", padded + 1, 3, solve[i], err));
   CLOTH_TRY(take_reals(sim, p, "inverse_diagonal", padded, 6, &p->inverse_diagonal, err));
   CLOTH_TRY(take_reals(sim, p, "partial", sim->chunks, CLOTH_PCG_PARTIALS, &p->partial, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));

@@ -3,7 +3,11 @@
 // serial: a CPU leaves fewer elements than this to one thread, because waking another costs more (a few
 // microseconds); it never changes a result.
 // Each backend includes this file to build its table; adding a kernel is one header, one line here and
-// one include in kernels/physics/all.h.
+// one include in kernels/physics/all.h. CLOTH_KERNEL_UNEVEN: some elements cost much more than others.
+#ifndef CLOTH_KERNEL_UNEVEN
+#define CLOTH_KERNEL_UNEVEN(name, serial) CLOTH_KERNEL(name, serial)
+#define CLOTH_KERNEL_UNEVEN_DEFAULT
+#endif
 
 // motion
 CLOTH_KERNEL(body_vertex, 1024)
@@ -29,24 +33,24 @@ CLOTH_KERNEL(flat_merge, 256)
 CLOTH_KERNEL(flat_square, 128)
 CLOTH_KERNEL(cell_count, 512)
 CLOTH_KERNEL(cell_fill, 256)
-CLOTH_KERNEL(entry_work, 1024)
-CLOTH_KERNEL(pair_share, 4)
-CLOTH_KERNEL(pair_large, 8)
+CLOTH_KERNEL_UNEVEN(entry_work, 1024)
+CLOTH_KERNEL_UNEVEN(pair_share, 4)
+CLOTH_KERNEL_UNEVEN(pair_large, 8)
 
 // contacts
-CLOTH_KERNEL(contact_find, 256)
+CLOTH_KERNEL_UNEVEN(contact_find, 256)
 CLOTH_KERNEL(contact_build, 128)
 CLOTH_KERNEL(contact_entry, 1024)
 CLOTH_KERNEL(contact_row, 512)
 CLOTH_KERNEL(contact_force, 256)
 CLOTH_KERNEL(contact_product, 512)
 CLOTH_KERNEL(contact_count, 1024)
-CLOTH_KERNEL(impact_find, 128)
-CLOTH_KERNEL(impact_limit, 128)
+CLOTH_KERNEL_UNEVEN(impact_find, 128)
+CLOTH_KERNEL_UNEVEN(impact_limit, 128)
 CLOTH_KERNEL(impact_hold_back, 2048)
 CLOTH_KERNEL(zone_build, 64)
 CLOTH_KERNEL(zone_mark, 2048)
-CLOTH_KERNEL(zone_solve, 2)
+CLOTH_KERNEL_UNEVEN(zone_solve, 2)
 
 // solve
 CLOTH_KERNEL(assemble_row, 32)
@@ -61,3 +65,8 @@ CLOTH_KERNEL(pcg_beta, 2)
 CLOTH_KERNEL(pcg_direction, 256)
 CLOTH_KERNEL(pcg_residual, 128)
 CLOTH_KERNEL(reduce_max, 256)
+
+#ifdef CLOTH_KERNEL_UNEVEN_DEFAULT
+#undef CLOTH_KERNEL_UNEVEN_DEFAULT
+#undef CLOTH_KERNEL_UNEVEN
+#endif

@@ -22,7 +22,7 @@ cloth_status cloth_impacts_cover(cloth_sim *sim, cloth_error *err)
   if (sim->pairs_valid) CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
   if (!escaped) return CLOTH_OK;
   CLOTH_TRY(cloth_bodies_join(sim, err));
-  return cloth_pairs_search(sim, err);
+  return cloth_pairs_search_impacts(sim, cloth_impact_gap(sim), err);
 }
 
 // ---- detection ----------------------------------------------------------------------------------

@@ -254,25 +254,38 @@ cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, doub
   }
 }
 
-cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err)
+static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error *err)
 {
   sim->report->pair_searches++;
   sim->report->pairs = 0;
   for (int p = 0; p < sim->part_count; p++) {
-    CLOTH_TRY(cloth_pairs_of_part(sim, &sim->part[p], sim->params.thickness, sim->params.pair_slack,
-                                  false, err));
+    CLOTH_TRY(cloth_pairs_of_part(sim, &sim->part[p], gap, slack, false, err));
     sim->report->pairs +=
         sim->part[p].pair_count; // a pair on a border is counted by each of its parts
   }
-  sim->pairs_valid = true;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err)
+{
+  CLOTH_TRY(search(sim, sim->params.thickness, sim->params.pair_slack, err));
+  sim->pairs_valid = sim->pairs_for_contacts = true;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error *err)
+{
+  CLOTH_TRY(search(sim, gap, sim->params.pair_slack / 4, err));
+  sim->pairs_valid = true, sim->pairs_for_contacts = false;
   return CLOTH_OK;
 }
 
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
 {
   bool escaped = true;
-  if (sim->pairs_valid) CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
-  if (sim->pairs_valid && !escaped) {
+  if (sim->pairs_valid && sim->pairs_for_contacts)
+    CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
+  if (!escaped) {
     sim->report->pairs = 0;
     for (int p = 0; p < sim->part_count; p++) sim->report->pairs += sim->part[p].pair_count;
     return CLOTH_OK;

@@ -216,6 +216,7 @@ struct cloth_sim {
   double speed_last; // m/s, fastest vertex of the last substep
   double damping_h;  // s, step for which the damping numbers are set
   bool pairs_valid;  // the candidates still cover every path from x_t0 to x
+  bool pairs_for_contacts; // and were searched up to the thickness, not for impacts alone
   cloth_real *host;  // staging, as large as any vertex vector
   size_t host_bytes;
   cloth_box cloth_box; // of all swept cloth at the last search
@@ -302,6 +303,8 @@ cloth_status cloth_bodies_join(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err); // now, whatever is known already
+// after the solve: only pairs that come closer than `gap`, less than the thickness
+cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error *err);
 cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err);
 cloth_status cloth_contact_build_stage(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err);

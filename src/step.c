@@ -7,7 +7,6 @@
 #include "contact/contact.h"
 #include "effect/effect.h"
 #include "membrane_stretch.h"
-#include "predict.h"
 #include "reduce_max.h"
 #include "state/state.h"
 
@@ -178,68 +177,11 @@ static cloth_status accept(cloth_sim *sim, cloth_error *err)
 
 // ---- the step around it -------------------------------------------------------------------------
 
-// how far a body's farthest point moves in this step [m], if it comes near the cloth
-static double body_travel(const cloth_body *b)
-{
-  double d_sq = 0, dot = 0, c0[3], c1[3];
-  cloth_pose_point(&b->now, b->center, c0);
-  cloth_pose_point(&b->target, b->center, c1);
-  for (int k = 0; k < 3; k++) d_sq += (c1[k] - c0[k]) * (c1[k] - c0[k]);
-  for (int k = 0; k < 4; k++) dot += b->now.rotation[k] * b->target.rotation[k];
-  double angle = 2 * acos(fmin(1, fabs(dot)));
-  return sqrt(d_sq) + (angle > 1e-7 ? angle * b->radius : 0);
-}
-
-// where the cloth gets to in this step if nothing stops it. From the state alone: what was computed
-// before must not show, or a run continued from a file would be cut differently.
-static cloth_status find_reach(cloth_sim *sim, double h, cloth_error *err)
-{
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    cloth_predict_args a = {.x_t0 = p->x_t0, .v = p->v, .h = (cloth_real)h};
-    a.x_pred = p->x_pred, a.x = p->x;
-    for (int k = 0; k < 3; k++) a.gravity[k] = (cloth_real)sim->params.gravity[k];
-    CLOTH_LAUNCH(sim, p, predict, sim->vertex_count, &a, err);
-  }
-  return cloth_box_update(sim, h, err);
-}
-
-// is the body's ball within that?
-static bool may_touch(const cloth_sim *sim, const cloth_body *b, double travel)
-{
-  double c[3], reach = b->radius + travel + 0.02;
-  const cloth_box *box = &sim->cloth_box;
-  cloth_pose_point(&b->now, b->center, c);
-  double lo[3] = {(double)box->lo.x, (double)box->lo.y, (double)box->lo.z};
-  double hi[3] = {(double)box->hi.x, (double)box->hi.y, (double)box->hi.z};
-  for (int k = 0; k < 3; k++)
-    if (c[k] + reach < lo[k] || c[k] - reach > hi[k]) return false;
-  return true;
-}
-
-static cloth_status count_substeps(cloth_sim *sim, double h, int *out, cloth_error *err)
-{
-  double most = 0, fastest = 0;
-  bool body = sim->active[CLOTH_EFFECT_body_contact];
-  *out = sim->params.substeps;
-  for (int b = 0; b < sim->def->body_count && body; b++)
-    fastest = fmax(fastest, body_travel(&sim->body[b]));
-  if (fastest <= sim->params.body_motion_max * *out) return CLOTH_OK;
-  CLOTH_TRY(find_reach(sim, h, err));
-  for (int b = 0; b < sim->def->body_count; b++) {
-    double travel = body_travel(&sim->body[b]);
-    if (travel > most && may_touch(sim, &sim->body[b], travel)) most = travel;
-  }
-  double cut = ceil(most / sim->params.body_motion_max);
-  if (cut > *out) *out = cut < sim->params.substeps_max ? (int)cut : sim->params.substeps_max;
-  return CLOTH_OK;
-}
-
 // the whole step in substeps; a failed one is repeated at half its length
 static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
   int halvings = 0, parts;
-  CLOTH_TRY(count_substeps(sim, h, &parts, err));
+  CLOTH_TRY(cloth_substeps_count(sim, h, &parts, err));
   double done = 0, share = 1.0 / parts;
   while (done < 1) {
     double to = done + share < 1 - 1e-9 ? done + share : 1;

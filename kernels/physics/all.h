@@ -31,6 +31,7 @@
 #include "impact_limit.h"
 #include "membrane.h"
 #include "membrane_stretch.h"
+#include "motion_chunk.h"
 #include "pair_large.h"
 #include "pair_share.h"
 #include "pcg_alpha.h"

@@ -80,7 +80,8 @@ CLOTH_FN cloth_sym3 cloth_block_diagonal(const cloth_block_rows *r, int row)
 // A CPU reads a vertex as one piece of four numbers and turns eight of them into three registers
 // of eight: gathered one by one they would cost more than the product. Same sums, same bits. (In
 // double eight are two registers, and nothing is gained.)
-#if defined(CLOTH_SINGLE_PRECISION) && defined(__GNUC__) && !defined(__CUDACC__) && defined(__has_builtin)
+#if defined(CLOTH_SINGLE_PRECISION) && defined(__GNUC__) && !defined(__CUDACC__) &&                \
+    defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
 #define CLOTH_ROW_VECTORS
 #endif
@@ -95,7 +96,8 @@ typedef cloth_real cloth_lanes8
 // vertices at col and four further on, side by side; the fourth number is the next vertex's
 #define CLOTH_LANES_PAIR(x, col, l)                                                                \
   __builtin_shufflevector(*(const cloth_lanes4 *)((x) + 3 * (col)[l]),                             \
-                          *(const cloth_lanes4 *)((x) + 3 * (col)[(l) + 4]), 0, 1, 2, 3, 4, 5, 6, 7)
+                          *(const cloth_lanes4 *)((x) + 3 * (col)[(l) + 4]), 0, 1, 2, 3, 4, 5, 6,  \
+                          7)
 
 /// y = A x for the rows of one group: y is [GROUP x 3]. x is read one number past its last vertex.
 CLOTH_FN void cloth_block_product(const cloth_block_rows *r, int group, const cloth_real *x,

@@ -34,6 +34,5 @@ CLOTH_FN void cloth_entry_work(int i, const cloth_entry_work_args *a)
   for (; end < a->count && a->cell[end] == cell; end++)
     if ((int)a->triangle[end] < a->cloth_triangles) cloth = end + 1;
   int idle = end == cloth && (!a->self || cloth_cell_is_flat(a, i, end));
-  for (int k = i; k < end; k++)
-    a->work[k] = k < cloth && !idle ? (uint32_t)(end - k - 1) : 0;
+  for (int k = i; k < end; k++) a->work[k] = k < cloth && !idle ? (uint32_t)(end - k - 1) : 0;
 }

@@ -4,8 +4,9 @@
 #include "flat_patch.h"
 
 typedef struct cloth_flat_merge_args {
-  int first;         // node of element 0
-  const int *source; // [nodes x 4] first node, columns, rows and nodes in a row of what it is made of
+  int first; // node of element 0
+  const int
+      *source; // [nodes x 4] first node, columns, rows and nodes in a row of what it is made of
   cloth_real *range; // [nodes x CLOTH_FLAT_RANGE], those of this level written
 } cloth_flat_merge_args;
 

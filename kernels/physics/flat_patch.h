@@ -17,13 +17,13 @@
 // triangle: the line from a vertex leaves its star. A pair keeps min(thickness, 0.7 x its distance
 // at rest) (contact_geometry.h, as long as h > 0.08 thickness). So if
 //   s^2 >= (k + d)^2 + d^2,  k = min(0.7, thickness / h),
-// for start, first guess and free flight, no pair of the patch is a contact, and its distance on the
-// way stays above that at which impact_find.h acts.
+// for start, first guess and free flight, no pair of the patch is a contact, and its distance on
+// the way stays above that at which impact_find.h acts.
 //
 // Patches are squares of CLOTH_FLAT_SPAN x CLOTH_FLAT_SPAN tiles of the rest plane, at every tile
 // and on levels of tiles that double in size, so that any two near triangles lie in a square not
-// much larger than both. A square is a node of its first tile. src/contact/flat.c says which squares
-// are convex regions of one sheet.
+// much larger than both. A square is a node of its first tile. src/contact/flat.c says which
+// squares are convex regions of one sheet.
 #pragma once
 
 #include "real.h"
@@ -36,7 +36,8 @@ enum {
 
 // Which squares are flat on this substep's way. flat is NULL: not known, nothing is culled.
 typedef struct cloth_flat_map {
-  const int *place; // [cloth triangles x 5] sheet (-1: not flat at rest), least tile x y, largest x y
+  const int
+      *place; // [cloth triangles x 5] sheet (-1: not flat at rest), least tile x y, largest x y
   const int *level; // [sheets x CLOTH_FLAT_LEVELS x 2] node of the level's first tile (-1: no such
                     // level), tiles in a row
   const unsigned char *flat; // [nodes]

@@ -6,14 +6,14 @@
 #include "flat_merge.h"
 
 typedef struct cloth_flat_square_args {
-  const int *square;          // [nodes x 3] columns, rows, nodes in a row
-  const cloth_real *height;   // [nodes] m, least height of a triangle; 0: not a patch
-  const cloth_real *range;    // [nodes x CLOTH_FLAT_RANGE]
-  cloth_real thickness;       // m
-  cloth_real margin;          // 1, on the bound of flat_patch.h
-  int check;                  // 0: note, 1: count those noted that are flat no more
-  unsigned char *flat;        // [nodes]
-  uint32_t *lost;             // [1] counts up
+  const int *square;        // [nodes x 3] columns, rows, nodes in a row
+  const cloth_real *height; // [nodes] m, least height of a triangle; 0: not a patch
+  const cloth_real *range;  // [nodes x CLOTH_FLAT_RANGE]
+  cloth_real thickness;     // m
+  cloth_real margin;        // 1, on the bound of flat_patch.h
+  int check;                // 0: note, 1: count those noted that are flat no more
+  unsigned char *flat;      // [nodes]
+  uint32_t *lost;           // [1] counts up
 } cloth_flat_square_args;
 
 CLOTH_FN void cloth_flat_square(int i, const cloth_flat_square_args *a)

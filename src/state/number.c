@@ -141,6 +141,8 @@ static void number_bodies(cloth_sim *sim)
       hi[i % 3] = fmax(hi[i % 3], m->position[i]);
     }
     for (int k = 0; k < 3; k++) body->center[k] = m->vertex_count > 0 ? (lo[k] + hi[k]) / 2 : 0;
+    for (int k = 0; k < 3; k++)
+      body->half[k] = m->vertex_count > 0 ? body->spread * (hi[k] - lo[k]) / 2 : 0;
     for (int i = 0; i < m->vertex_count; i++) {
       double r_sq = 0;
       for (int k = 0; k < 3; k++) r_sq += pow(m->position[3 * i + k] - body->center[k], 2);
@@ -287,7 +289,8 @@ cloth_status cloth_number(cloth_sim *sim, cloth_error *err)
   double *place = malloc(sizeof *place * 3 * ((size_t)sim->vertex_count + 1));
   int *count = malloc(sizeof *count * ((size_t)sim->vertex_count + 1));
   cloth_status status = sorter_new(&s, n, err);
-  if (place == NULL || count == NULL) status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "numbering");
+  if (place == NULL || count == NULL)
+    status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "numbering");
   if (status == CLOTH_OK) {
     for (int c = 0; c < sim->def->cloth_count; c++) {
       number_vertices(sim, c, &s, place, count);

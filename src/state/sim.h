@@ -138,6 +138,7 @@ typedef struct cloth_body {
   bool told;                // moved by call: the motion of the scene file no longer acts
   bool near;                // its swept box meets the cloth's
   double center[3], radius; // m, bounding sphere in the body frame
+  double half[3];           // m, half edges of the box around it, in the body frame
   double spread;            // factor on the mesh: above 1 for planes
   int vertex_first, vertex_count, triangle_first, triangle_count;
 } cloth_body;
@@ -295,6 +296,8 @@ cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *
 // ---- stages -------------------------------------------------------------------------------------
 
 void cloth_guess_free_fall(cloth_sim *sim); // after anything but a step changed the state
+/// Parts that a step of h seconds is cut into, because of bodies (state/substeps.c).
+cloth_status cloth_substeps_count(cloth_sim *sim, double h, int *out, cloth_error *err);
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
 /// sim->cloth_box: of all cloth on its way from x_t0 to x and to x_t0 + h v.
 cloth_status cloth_box_update(cloth_sim *sim, double h, cloth_error *err);

@@ -26,7 +26,7 @@ typedef struct tables {
   int count;
   int listed, *tile_first, *tile_list;
   int *source, *square; // [nodes x 4], [nodes x 3]
-  double *height; // [nodes] m, least height of a triangle in the square; 0: not a patch
+  double *height;       // [nodes] m, least height of a triangle in the square; 0: not a patch
   int *place, *level;
   double *rest; // [triangles x 4]
 } tables;
@@ -129,7 +129,8 @@ static cloth_status take_tables(const cloth_sim *sim, tables *t, cloth_error *er
 {
   size_t nodes = (size_t)sim->flat.nodes + 1, n = (size_t)sim->triangle_count + 1;
   t->tile_first = malloc(sizeof(int) * ((size_t)sim->flat.tiles + 1));
-  t->tile_list = malloc(sizeof(int) * ((size_t)t->listed + 1)), t->place = malloc(sizeof(int) * 5 * n);
+  t->tile_list = malloc(sizeof(int) * ((size_t)t->listed + 1)),
+  t->place = malloc(sizeof(int) * 5 * n);
   t->source = calloc(4 * nodes, sizeof(int)), t->square = calloc(3 * nodes, sizeof(int));
   t->height = calloc(nodes, sizeof(double)), t->rest = calloc(4 * n, sizeof(double));
   t->level = malloc(sizeof(int) * 2 * CLOTH_FLAT_LEVELS * ((size_t)t->count + 1));
@@ -150,8 +151,10 @@ static cloth_status upload(cloth_sim *sim, cloth_part *p, const tables *t, cloth
 {
   size_t nodes = (size_t)sim->flat.nodes, tiles = (size_t)sim->flat.tiles, n = sizeof(int);
   size_t triangles = (size_t)sim->triangle_count;
-  CLOTH_TRY(cloth_upload(sim, p, "flat_first", t->tile_first, n * (tiles + 1), &p->flat_first, err));
-  CLOTH_TRY(cloth_upload(sim, p, "flat_list", t->tile_list, n * (size_t)t->listed, &p->flat_list, err));
+  CLOTH_TRY(
+      cloth_upload(sim, p, "flat_first", t->tile_first, n * (tiles + 1), &p->flat_first, err));
+  CLOTH_TRY(
+      cloth_upload(sim, p, "flat_list", t->tile_list, n * (size_t)t->listed, &p->flat_list, err));
   CLOTH_TRY(cloth_upload(sim, p, "flat_source", t->source, n * 4 * nodes, &p->flat_source, err));
   CLOTH_TRY(cloth_upload(sim, p, "flat_extent", t->square, n * 3 * nodes, &p->flat_extent, err));
   CLOTH_TRY(cloth_upload_real(sim, p, "flat_height", t->height, (int)nodes, &p->flat_height, err));

@@ -82,10 +82,7 @@ static bool flatten(const cloth_sim *sim, cloth_sheet *s)
   return off <= FLAT_TOLERANCE * s->mean_edge;
 }
 
-static int tile_of(double u, int size)
-{
-  return u < size ? (int)u : size - 1;
-}
+static int tile_of(double u, int size) { return u < size ? (int)u : size - 1; }
 
 static void make_tiles(cloth_sheet *s)
 {
@@ -256,7 +253,8 @@ static void list_border(const cloth_sim *sim, cloth_sheet *s)
 
 void cloth_sheet_free(cloth_sheet *s)
 {
-  free(s->corner), free(s->height), free(s->border), free(s->place), free(s->tile_first), free(s->tile_list);
+  free(s->corner), free(s->height), free(s->border), free(s->place), free(s->tile_first),
+      free(s->tile_list);
 }
 
 cloth_status cloth_sheet_make(const cloth_sim *sim, int cloth, cloth_sheet *s, cloth_error *err)
@@ -275,7 +273,8 @@ cloth_status cloth_sheet_make(const cloth_sim *sim, int cloth, cloth_sheet *s, c
   if (tiles > 4 * (double)n + 64 || listed > 16 * (double)n + 64) return CLOTH_OK;
   s->tile_first = malloc(sizeof(int) * ((size_t)tiles + 2));
   s->tile_list = malloc(sizeof(int) * ((size_t)listed + 1));
-  if (!s->tile_first || !s->tile_list) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "sheet of %zu triangles", n);
+  if (!s->tile_first || !s->tile_list)
+    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "sheet of %zu triangles", n);
   list_tiles(s);
   list_border(sim, s);
   s->flat = true;

@@ -18,6 +18,7 @@ static cloth_def *def_of(const char *devices)
   cloth_def *def = def_new(PRECISION);
   def_set(def, "devices", devices);
   def_set(def, "threads", "2");
+  def_set(def, "flat_culling", "off"); // test_flat.c is about that
   def_cloth(def, "one", &cloth, cloth_material_default(), pose_at(0, 0, 0.05));
   def_cloth(def, "two", &cloth, cloth_material_default(), pose_turned(0.05, 0, 0.08, 0, 0.3));
   def_body(def, "table", &table, 0.5, pose_turned(0, 0, -0.5, 2, 0.3));

@@ -16,7 +16,8 @@ static solid table, ball, finger;
 
 typedef struct how {
   const char *precision, *backend, *devices, *threads;
-  bool look; // ask for everything that can be asked between steps
+  bool look;    // ask for everything that can be asked between steps
+  bool no_cull; // flat patches are searched like the rest
 } how;
 
 // a towel that is lifted by one corner, pulled by a finger at another, hit by a ball, in the wind,
@@ -31,6 +32,7 @@ static cloth_scene *scene_of(const how *h)
   def_set(def, "backend", h->backend);
   def_set(def, "devices", h->devices);
   def_set(def, "threads", h->threads);
+  if (h->no_cull) def_set(def, "flat_culling", "off");
   def_set(def, "air_density", "1.2");
   def_set(def, "wind", "0.5 1 0");
   def_set(def, "gust", "0.5");
@@ -126,7 +128,7 @@ static const uint64_t *reference(const char *precision, int *seen)
   static int contacts[2][3];
   static bool done[2];
   int p = precision[0] == 'f';
-  how plain = {precision, "cpu", "cpu", "1", false};
+  how plain = {precision, "cpu", "cpu", "1", .look = false};
   if (!done[p]) run(&plain, hash[p], contacts[p]);
   done[p] = true;
   if (seen) memcpy(seen, contacts[p], sizeof contacts[p]);
@@ -148,8 +150,8 @@ static int compare(const char *precision, const how *h)
   uint64_t hash[STEPS];
   char what[128];
   run(h, hash, NULL);
-  snprintf(what, sizeof what, "backend %s, devices %s, threads %s%s", h->backend, h->devices,
-           h->threads, h->look ? ", looked at" : "");
+  snprintf(what, sizeof what, "backend %s, devices %s, threads %s%s%s", h->backend, h->devices,
+           h->threads, h->look ? ", looked at" : "", h->no_cull ? ", not culled" : "");
   return same(what, reference(precision, NULL), hash);
 }
 
@@ -169,7 +171,7 @@ BOTH(the_scene_has_contact_of_both_kinds_and_cut_steps, scene_is_rich)
 
 static int two_runs(const char *precision)
 {
-  how plain = {precision, "cpu", "cpu", "1", false};
+  how plain = {precision, "cpu", "cpu", "1", .look = false};
   return compare(precision, &plain);
 }
 BOTH(two_runs_give_the_same_bits, two_runs)
@@ -178,7 +180,7 @@ static int threads(const char *precision)
 {
   static const char *const counts[] = {"2", "3", "4"};
   for (int i = 0; i < 3; i++) {
-    how h = {precision, "cpu", "cpu", counts[i], false};
+    how h = {precision, "cpu", "cpu", counts[i], .look = false};
     if (compare(precision, &h)) return 1;
   }
   return 0;
@@ -190,7 +192,7 @@ static int parts(const char *precision)
   static const char *const devices[] = {"cpu,cpu", "cpu,cpu,cpu", "cpu,cpu,cpu,cpu",
                                         "cpu,cpu,cpu,cpu,cpu,cpu,cpu,cpu,cpu"}; // more than chunks
   for (int i = 0; i < 4; i++) {
-    how h = {precision, "cpu", devices[i], i == 2 ? "2" : "1", false};
+    how h = {precision, "cpu", devices[i], i == 2 ? "2" : "1", .look = false};
     if (compare(precision, &h)) return 1;
   }
   return 0;
@@ -201,7 +203,7 @@ static int shuffled(const char *precision)
 {
   static const char *const devices[] = {"cpu", "cpu,cpu", "cpu,cpu,cpu", "cpu,cpu,cpu,cpu"};
   for (int i = 0; i < 4; i++) {
-    how h = {precision, "shuffle", devices[i], "1", false};
+    how h = {precision, "shuffle", devices[i], "1", .look = false};
     if (compare(precision, &h)) return 1;
   }
   return 0;
@@ -210,15 +212,22 @@ BOTH(work_in_random_order_gives_the_same_bits, shuffled)
 
 static int looking(const char *precision)
 {
-  how h = {precision, "cpu", "cpu,cpu", "1", true};
+  how h = {precision, "cpu", "cpu,cpu", "1", .look = true};
   return compare(precision, &h);
 }
 BOTH(looking_at_the_scene_changes_no_bit, looking)
 
+static int not_culled(const char *precision)
+{
+  how h = {precision, "cpu", "cpu", "1", .no_cull = true};
+  return compare(precision, &h);
+}
+BOTH(culling_of_flat_patches_changes_no_bit, not_culled)
+
 static int reset(const char *precision)
 {
   uint64_t hash[STEPS];
-  how plain = {precision, "cpu", "cpu", "1", false};
+  how plain = {precision, "cpu", "cpu", "1", .look = false};
   cloth_scene *scene = scene_of(&plain);
   cloth_error err = {0};
   script s = {0};
@@ -235,8 +244,8 @@ BOTH(a_run_after_a_reset_gives_the_bits_of_the_first, reset)
 static int saved(const char *precision)
 {
   uint64_t hash[STEPS];
-  how plain = {precision, "cpu", "cpu", "1", false},
-      other = {precision, "cpu", "cpu,cpu", "2", false};
+  how plain = {precision, "cpu", "cpu", "1", .look = false},
+      other = {precision, "cpu", "cpu,cpu", "2", .look = false};
   folder f = folder_make();
   const char *path = folder_path(&f, "state");
   cloth_error err = {0};
@@ -266,8 +275,8 @@ BOTH(a_run_continued_from_a_file_gives_the_same_bits, saved)
 // recorded on one part with one thread, replayed on others
 static int replayed(const char *precision)
 {
-  how plain = {precision, "cpu", "cpu", "1", false},
-      other = {precision, "cpu", "cpu,cpu,cpu", "2", false};
+  how plain = {precision, "cpu", "cpu", "1", .look = false},
+      other = {precision, "cpu", "cpu,cpu,cpu", "2", .look = false};
   folder f = folder_make();
   const char *path = folder_path(&f, "recording");
   cloth_error err = {0};
@@ -300,6 +309,7 @@ int main(int argc, char **argv)
   RUN(any_number_of_parts_gives_the_same_bits);
   RUN(work_in_random_order_gives_the_same_bits);
   RUN(looking_at_the_scene_changes_no_bit);
+  RUN(culling_of_flat_patches_changes_no_bit);
   RUN(a_run_after_a_reset_gives_the_bits_of_the_first);
   RUN(a_run_continued_from_a_file_gives_the_same_bits);
   RUN(a_recording_replays_bit_for_bit);

@@ -62,7 +62,8 @@ static cloth_status find_flight(cloth_sim *sim, double h, cloth_error *err)
   a.x_pred = p->x_pred, a.x = p->x;
   for (int k = 0; k < 3; k++) a.gravity[k] = (cloth_real)sim->params.gravity[k];
   CLOTH_LAUNCH(sim, p, predict, sim->vertex_count, &a, err);
-  cloth_box_chunk_args box = {sim->vertex_count, p->x_t0, p->x, p->box_of_chunk};
+  cloth_box_chunk_args box = {sim->vertex_count, p->x_t0,        p->x_pred, p->v,
+                              (cloth_real)h,     p->box_of_chunk};
   CLOTH_LAUNCH(sim, p, box_chunk, sim->chunks, &box, err);
   size_t n = 6 * (size_t)sim->chunks;
   CLOTH_TRY(cloth_staging(sim, 2 * n, err));

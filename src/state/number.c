@@ -1,6 +1,5 @@
 // Internal numbering: vertices and triangles along a space-filling curve, so that neighbours on the
 // cloth are neighbours in memory and runs of vertices are compact parts.
-#include "chunk.h"
 #include "sort.h"
 #include "state/build.h"
 
@@ -54,27 +53,7 @@ static void to_scene(const cloth_pose *pose, const double *p, int n, double *out
   for (int i = 0; i < n; i++) cloth_pose_point(pose, p + 3 * i, out + 3 * i);
 }
 
-// how many triangles meet at each vertex
-static void count_triangles(const cloth_mesh *m, int *count)
-{
-  memset(count, 0, sizeof *count * (size_t)m->vertex_count);
-  for (int i = 0; i < 3 * m->triangle_count; i++) count[m->triangle[i]]++;
-}
-
-// Within a chunk, vertices with many triangles come first: rows of the matrix that stand side by
-// side (block_rows.h) are then about equally long. (SELL-C-sigma: Kreutzer et al. 2014.)
-static void sort_chunks(const cloth_sim *sim, int c, int n, const int *count, sorter *s)
-{
-  for (int i = 0, first = sim->cloth_first[c]; i < n;) {
-    int end = ((first + i) / CLOTH_CHUNK + 1) * CLOTH_CHUNK - first;
-    if (end > n) end = n;
-    for (int k = i; k < end; k++) s->key[k] = 0xffff - (uint64_t)(count[s->value[k]] & 0xffff);
-    cloth_cpu_sort(end - i, 16, s->key + i, s->value + i, s->key_spare, s->value_spare, 1);
-    i = end;
-  }
-}
-
-static void number_vertices(cloth_sim *sim, int c, sorter *s, double *place, int *count)
+static void number_vertices(cloth_sim *sim, int c, sorter *s, double *place)
 {
   const cloth_cloth_def *d = &sim->def->cloth[c];
   int n = d->mesh.vertex_count, first = sim->cloth_first[c];
@@ -85,8 +64,6 @@ static void number_vertices(cloth_sim *sim, int c, sorter *s, double *place, int
   for (int v = 0; v < n; v++)
     s->key[v] = curve(d->mesh.position + 3 * v, lo, size), s->value[v] = (uint32_t)v;
   cloth_cpu_sort(n, 63, s->key, s->value, s->key_spare, s->value_spare, 1);
-  count_triangles(&d->mesh, count);
-  sort_chunks(sim, c, n, count, s);
   for (int i = 0; i < n; i++) {
     int v = (int)s->value[i];
     sim->order[first + i] = v;
@@ -287,18 +264,17 @@ cloth_status cloth_number(cloth_sim *sim, cloth_error *err)
   size_t n =
       (size_t)(sim->vertex_count > sim->triangle_count ? sim->vertex_count : sim->triangle_count);
   double *place = malloc(sizeof *place * 3 * ((size_t)sim->vertex_count + 1));
-  int *count = malloc(sizeof *count * ((size_t)sim->vertex_count + 1));
   cloth_status status = sorter_new(&s, n, err);
-  if (place == NULL || count == NULL)
+  if (place == NULL)
     status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "numbering");
   if (status == CLOTH_OK) {
     for (int c = 0; c < sim->def->cloth_count; c++) {
-      number_vertices(sim, c, &s, place, count);
+      number_vertices(sim, c, &s, place);
       number_triangles(sim, c, &s);
     }
     number_bodies(sim);
     weigh(sim);
   }
-  sorter_free(&s), free(place), free(count);
+  sorter_free(&s), free(place);
   return status;
 }

@@ -265,8 +265,7 @@ cloth_status cloth_number(cloth_sim *sim, cloth_error *err)
       (size_t)(sim->vertex_count > sim->triangle_count ? sim->vertex_count : sim->triangle_count);
   double *place = malloc(sizeof *place * 3 * ((size_t)sim->vertex_count + 1));
   cloth_status status = sorter_new(&s, n, err);
-  if (place == NULL)
-    status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "numbering");
+  if (place == NULL) status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "numbering");
   if (status == CLOTH_OK) {
     for (int c = 0; c < sim->def->cloth_count; c++) {
       number_vertices(sim, c, &s, place);

@@ -1,8 +1,7 @@
 // Continuous collision detection and its answers, mildest first: impact zones move the involved
 // vertices as little as they can (zones.c); what these cannot solve in zone_iterations_max rounds
 // is held back along its way (failsafe.c), which always ends.
-#include "ccd/ccd.h"
-
+#include "ccd/impacts.h"
 #include "contact/contact.h"
 #include "contact/pairs.h"
 #include "effect/effect.h"

@@ -2,7 +2,7 @@
 // nothing does. It ends because in the last passes whatever is still involved stays where it was.
 // A body or a held vertex that runs into cloth held back cannot be cleared this way: then the
 // substep is repeated at half its length (step.c), and what is left is reported.
-#include "ccd/ccd.h"
+#include "ccd/impacts.h"
 #include "contact/contact.h"
 #include "contact/pairs.h"
 #include "effect/effect.h"

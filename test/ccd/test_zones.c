@@ -1,7 +1,7 @@
 // What would pass through does not, and moves no more than it must: random motions of stacked
 // sheets and a ball, judged by edges that pierce faces at any time of the motion (worked out here,
 // in double), by momentum, and by the closed form of a single impact.
-#include "ccd/ccd.h"
+#include "ccd/impacts.h"
 #include "solve/sim.h"
 
 enum { N = 9, SHEETS = 3, TIMES = 16 };

@@ -1,3 +1,4 @@
+// (Not ccd.h: FCL includes a <ccd/ccd.h> of its own.)
 // Nothing passes through: detection along the straight way from the start to the end of a substep.
 #pragma once
 

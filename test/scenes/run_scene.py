@@ -27,10 +27,10 @@ SCENES = os.path.join(HERE, '..', '..', 'config', 'scenes')
 class Run:
     """One run of a scene: its report, row by row, and its folder of meshes."""
 
-    def __init__(self, cloth, scene, precision, steps, folder):
+    def __init__(self, cloth, scene, precision, steps, folder, more=('--mesh-every', '1')):
         self.folder, self.precision = folder, precision
         command = [cloth, 'run', os.path.join(SCENES, scene.file + '.yaml'), '--variant', scene.variant,
-                   '--precision', precision, '--mesh-every', '1', '--out', folder, '--quiet']
+                   '--precision', precision, '--out', folder, '--hash', '--quiet'] + list(more)
         for setting in scene.settings.get(precision, ()):
             command += ['--set', setting]
         if steps:
@@ -164,6 +164,15 @@ class Judge:
             print('     ' + figures)
 
 
+def judge_repetition(judge, scene, run, cloth, folder):
+    """The first half again, in three parts on two threads: the same bits?"""
+    again = Run(cloth, scene, run.precision, (len(run.rows) + 1) // 2, folder, ('--devices', 'cpu,cpu,cpu', '--threads', '2'))
+    hashes = [[row['state_hash'] for row in r.rows[:len(again.rows)]] for r in (run, again)]
+    differ = [i + 1 for i, (a, b) in enumerate(zip(*hashes)) if a != b]
+    judge.say('three_parts_give_the_same_bits', again.rows and not differ and int(hashes[0][0], 16) != 0,
+              'from step %s of %d on' % (differ[:1], len(again.rows)))
+
+
 def in_pinch(scene, time):
     return scene.no_room and scene.no_room[0] <= time <= scene.no_room[1]
 
@@ -181,6 +190,11 @@ def judge_report(judge, scene, run):
               'worst stretch %.3f in step %d, bound %.3f' % (worst['stretch_max'], worst['step'], scene.stretch))
     judge.say('energy_is_bounded', run.worst('energy_kinetic') <= scene.energy,
               'kinetic energy up to %.4g J, bound %.4g J' % (run.worst('energy_kinetic'), scene.energy))
+    if scene.work:  # counted, not timed
+        solves = sorted(run.column('newton_iterations'))
+        usual = max(3, solves[len(solves) // 2])  # a step at rest takes one
+        judge.say('no_step_is_many_times_the_usual_work', solves[-1] <= scene.work * usual,
+                  'linear systems: %d in the worst step, usually %d' % (solves[-1], usual))
     if scene.speed_reached:
         judge.say('it_is_as_fast_as_it_says', run.worst('speed_max') >= scene.speed_reached,
                   'fastest %.2f m/s of %.2f' % (run.worst('speed_max'), scene.speed_reached))
@@ -223,6 +237,8 @@ def run_and_judge(arguments, precision, folder):
     judge_report(judge, scene, run)
     if run.rows:
         judge_meshes(judge, scene, run, arguments.cloth, arguments.check)
+        if precision == 'float' and not arguments.steps:
+            judge_repetition(judge, scene, run, arguments.cloth, folder + '_again')
         print('     ' + figures(run))
     return judge.failed
 

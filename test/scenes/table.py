@@ -15,16 +15,18 @@ class Scene:
     floor          m, height under which nothing may be at the end
     momentum       {precision: largest relative change} in a scene without outside forces
     no_room        (from, to) s: bodies leave the cloth no room then, and cloth-body intersections are allowed
+    work           linear systems in the worst step, as a multiple of the usual number: no step may stall
     settings       {precision: NAME=VALUE of parameters}, for `cloth run --set`
     needs          what the engine does not have yet: the scene is skipped
     """
 
     def __init__(self, stretch, energy, file='', variant='small', speed_reached=0.0, floor=None, momentum=None,
-                 no_room=None, settings=None, needs=''):
+                 no_room=None, work=0, settings=None, needs=''):
         self.stretch, self.energy = stretch, energy
         self.file, self.variant = file, variant
         self.speed_reached, self.floor, self.momentum = speed_reached, floor, momentum
-        self.no_room, self.settings, self.needs = no_room, settings or {}, needs
+        self.no_room, self.work = no_room, work
+        self.settings, self.needs = settings or {}, needs
 
 
 def pull(speed, stretch, **more):
@@ -68,7 +70,7 @@ SCENES = {
     'link_sweep': Scene(stretch=0.2, energy=0.42),
     # m g h over 0.15 m; lands at 1.7 m/s, 2 % of the wave speed
     'towel_on_towel': Scene(stretch=0.15, energy=0.1, needs=ZONES),
-    'pinched': Scene(stretch=0.3, energy=0.005, no_room=(0.55, 1.2), needs=ZONES),
+    'pinched': Scene(stretch=0.3, energy=0.005, no_room=(0.55, 1.2), work=5, needs=ZONES),
     # what it starts with: 0.024 kg (2^2 + 0.3^2) + 0.024 kg (1.5^2 + 0.1^2). Momentum is as good
     # as the linear solves, whose residual pushes the cloth as a whole too
     'towels_clash': Scene(stretch=0.15, energy=0.1526, momentum={'double': 1e-6},

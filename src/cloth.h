@@ -82,6 +82,11 @@ cloth_status cloth_def_new(cloth_def **out, cloth_error *err);
 /// CLOTH_BAD_SCENE with file, line, key, value, unit and range; nothing is left behind.
 cloth_status cloth_def_load(const char *path, cloth_def **out, cloth_error *err);
 
+/// The same for a variant of the scene. variant (nullable): names of the file's `variants:` and
+/// VARIABLE=VALUE, with commas between, applied in this order: "small,speed=4".
+cloth_status cloth_def_load_variant(const char *path, const char *variant, cloth_def **out,
+                                    cloth_error *err);
+
 /// NULL is allowed.
 void cloth_def_free(cloth_def *def);
 

@@ -31,14 +31,17 @@ typedef struct cloth_group_def {
 } cloth_group_def;
 
 /// Where something is at a time: positions interpolated linearly, rotations on the shorter arc;
-/// before the first and after the last key the pose stays. Or constant velocity and spin between
-/// two times.
+/// before the first and after the last key the pose stays. Or constant velocity and spin, with an
+/// oscillation sin(2 pi t / period) on top, between two times.
 typedef struct cloth_motion {
   int key_count;
-  double *time;                // [key_count] s, strictly ascending
-  cloth_pose *pose;            // [key_count]
-  double velocity[3], spin[3]; // m/s; rad/s about the start pose's origin; used when key_count is 0
-  double start, end;           // s; velocity and spin act in [start, end]
+  double *time;     // [key_count] s, strictly ascending
+  cloth_pose *pose; // [key_count]
+  // used when key_count is 0
+  double velocity[3], spin[3];   // m/s; rad/s about the start pose's origin
+  double amplitude[3], swing[3]; // m; rad about the start pose's origin
+  double period;                 // s; 0: no oscillation
+  double start, end;             // s; they act in [start, end]
 } cloth_motion;
 
 /// Vertices held from the scene file: from `start` to `end`, following a body or a motion of their

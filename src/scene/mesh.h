@@ -48,6 +48,18 @@ typedef enum cloth_grid_pattern {
 cloth_status cloth_mesh_grid(const double size[2], const int resolution[2],
                              cloth_grid_pattern pattern, cloth_mesh *out, cloth_error *err);
 
+/// A sheet sewn to a tube about the z axis, centred at the origin, open at both ends, its outside
+/// outside. Vertices ring by ring from the bottom, each ring from the x axis (odd rings from half a
+/// spacing on) counter-clockwise seen from above. Every triangle is flat in the material, without
+/// strain at rest; warp is around, weft along the tube.
+///
+/// radius      m, of the vertices
+/// length      m
+/// resolution  [2] vertices around, at least 3, and along, at least 2
+/// CLOTH_BAD_SCENE, CLOTH_NO_MEMORY.
+cloth_status cloth_mesh_tube(double radius, double length, const int resolution[2], cloth_mesh *out,
+                             cloth_error *err);
+
 /// Closed, outward oriented, centred at the origin. size [3] m: edge lengths, above 0.
 cloth_status cloth_mesh_box(const double size[3], cloth_mesh *out, cloth_error *err);
 
@@ -59,6 +71,11 @@ cloth_status cloth_mesh_sphere(double radius, int segments, cloth_mesh *out, clo
 /// 1000].
 cloth_status cloth_mesh_cylinder(double radius, double length, int segments, cloth_mesh *out,
                                  cloth_error *err);
+
+/// A cylinder that tapers: radius [2] m at the bottom and at the top, one of them may be 0: a tip.
+/// Three segments make a pyramid over a triangle.
+cloth_status cloth_mesh_cone(const double radius[2], double length, int segments, cloth_mesh *out,
+                             cloth_error *err);
 
 /// A square in the plane z = 0, normal +z. size [m]: edge length, above 0.
 cloth_status cloth_mesh_square(double size, cloth_mesh *out, cloth_error *err);

@@ -4,6 +4,8 @@
 
 #include <math.h>
 
+static const double PI = 3.14159265358979323846;
+
 // The shorter arc between two unit quaternions at constant angular speed (Shoemake 1985).
 static void rotation_between(const double a[4], const double b[4], double s, double out[4])
 {
@@ -63,14 +65,16 @@ cloth_pose cloth_motion_at(const cloth_motion *m, cloth_pose start, double time)
   double elapsed = (time < m->end ? time : m->end) - m->start;
   if (!(elapsed > 0)) return start;
   cloth_pose out = start;
-  for (int i = 0; i < 3; i++) out.position[i] += elapsed * m->velocity[i];
-
-  double speed = sqrt(m->spin[0] * m->spin[0] + m->spin[1] * m->spin[1] + m->spin[2] * m->spin[2]);
-  if (speed > 0) {
-    double half = 0.5 * speed * elapsed, turn[4];
-    for (int i = 0; i < 3; i++) turn[i] = sin(half) * m->spin[i] / speed;
-    turn[3] = cos(half);
-    rotation_product(turn, start.rotation, out.rotation);
+  double wave = m->period > 0 ? sin(2 * PI * elapsed / m->period) : 0, turn[3];
+  for (int i = 0; i < 3; i++) {
+    out.position[i] += elapsed * m->velocity[i] + wave * m->amplitude[i];
+    turn[i] = elapsed * m->spin[i] + wave * m->swing[i];
+  }
+  double angle = sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2]);
+  if (angle > 0) {
+    double q[4] = {0, 0, 0, cos(0.5 * angle)};
+    for (int i = 0; i < 3; i++) q[i] = sin(0.5 * angle) * turn[i] / angle;
+    rotation_product(q, start.rotation, out.rotation);
   }
   return out;
 }
@@ -78,7 +82,10 @@ cloth_pose cloth_motion_at(const cloth_motion *m, cloth_pose start, double time)
 bool cloth_motion_moves(const cloth_motion *m)
 {
   if (m->key_count > 0) return m->key_count > 1;
-  for (int i = 0; i < 3; i++)
-    if (m->velocity[i] != 0 || m->spin[i] != 0) return m->end > m->start;
-  return false;
+  bool moves = false;
+  for (int i = 0; i < 3; i++) {
+    moves |= m->velocity[i] != 0 || m->spin[i] != 0;
+    moves |= m->period > 0 && (m->amplitude[i] != 0 || m->swing[i] != 0);
+  }
+  return moves && m->end > m->start;
 }

@@ -101,23 +101,38 @@ cloth_status cloth_mesh_sphere(double radius, int segments, cloth_mesh *out, clo
   return CLOTH_OK;
 }
 
+cloth_status cloth_mesh_cone(const double radius[2], double length, int segments, cloth_mesh *out,
+                             cloth_error *err)
+{
+  *out = (cloth_mesh){0};
+  int rings = 0, vertices = 0, triangles = 0;
+  for (int end = 0; end < 2; end++) { // 0: a tip, the others are lengths
+    if (radius[end] == 0) continue;
+    CLOTH_TRY(check_length("radius", radius[end], err));
+    rings++;
+  }
+  if (rings == 0) CLOTH_FAIL(err, CLOTH_BAD_SCENE, "radius = (0, 0) [m]: a cone has one tip");
+  CLOTH_TRY(check_length("length", length, err));
+  CLOTH_TRY(check_segments(segments, err));
+  CLOTH_TRY(cloth_mesh_new(rings * segments + 2, 2 * rings * segments, false, out, err));
+  for (int end = 0; end < 2; end++)
+    if (radius[end] > 0) put_ring(out, &vertices, radius[end], length * (end - 0.5), segments);
+  int south = vertices, north = vertices + 1, upper = (rings - 1) * segments;
+  put_vertex(out, &vertices, 0, 0, -length / 2);
+  put_vertex(out, &vertices, 0, 0, length / 2);
+  put_fan(out, &triangles, 0, south, segments, false);
+  if (rings == 2) put_band(out, &triangles, 0, segments, segments);
+  put_fan(out, &triangles, upper, north, segments, true);
+  return CLOTH_OK;
+}
+
 cloth_status cloth_mesh_cylinder(double radius, double length, int segments, cloth_mesh *out,
                                  cloth_error *err)
 {
+  const double both[2] = {radius, radius};
   *out = (cloth_mesh){0};
   CLOTH_TRY(check_length("radius", radius, err));
-  CLOTH_TRY(check_length("length", length, err));
-  CLOTH_TRY(check_segments(segments, err));
-  CLOTH_TRY(cloth_mesh_new(2 * segments + 2, 4 * segments, false, out, err));
-  int vertices = 0, triangles = 0;
-  put_ring(out, &vertices, radius, -length / 2, segments);
-  put_ring(out, &vertices, radius, length / 2, segments);
-  put_vertex(out, &vertices, 0, 0, -length / 2);
-  put_vertex(out, &vertices, 0, 0, length / 2);
-  put_fan(out, &triangles, 0, 2 * segments, segments, false);
-  put_band(out, &triangles, 0, segments, segments);
-  put_fan(out, &triangles, segments, 2 * segments + 1, segments, true);
-  return CLOTH_OK;
+  return cloth_mesh_cone(both, length, segments, out, err);
 }
 
 cloth_status cloth_mesh_square(double size, cloth_mesh *out, cloth_error *err)

@@ -57,6 +57,28 @@ static cloth_status read_cylinder(cloth_value at, cloth_mesh *out, cloth_error *
   return cloth_mesh_cylinder(radius, length, segments, out, err);
 }
 
+static cloth_status read_cone(cloth_value at, cloth_mesh *out, cloth_error *err)
+{
+  static const char *const known[] = {"radius", "length", "segments", NULL};
+  cloth_value value;
+  double radius[2] = {0, 0}, length;
+  int segments;
+  CLOTH_TRY(cloth_yaml_mapping(at, known, err));
+  CLOTH_TRY(cloth_yaml_need(at, "radius", &value, err));
+  if (cloth_yaml_is_list(value)) {
+    CLOTH_TRY(cloth_yaml_list(value, 2, 2, err));
+    for (int i = 0; i < 2; i++)
+      CLOTH_TRY(cloth_yaml_number(cloth_yaml_item(value, i), "m", 0, 1e4, &radius[i], err));
+  } else {
+    CLOTH_TRY(cloth_yaml_number(value, "m", 1e-6, 1e4, &radius[0], err));
+  }
+  CLOTH_TRY(need_length(at, "length", &length, err));
+  CLOTH_TRY(read_segments(at, &segments, err));
+  cloth_error cause = {0};
+  cloth_status status = cloth_mesh_cone(radius, length, segments, out, &cause);
+  return cloth_yaml_blame(err, at, status, &cause);
+}
+
 // the shortest rotation that takes z to a unit vector
 static void rotation_to(const double n[3], double q[4])
 {
@@ -104,7 +126,8 @@ static cloth_status read_file(cloth_value at, cloth_mesh *mesh, cloth_error *err
 static cloth_status read_shape(cloth_value at, cloth_mesh *mesh, cloth_pose *local, bool *plane,
                                cloth_error *err)
 {
-  static const char *const shapes[] = {"box", "sphere", "cylinder", "plane", "mesh", NULL};
+  enum { BOX, SPHERE, CYLINDER, CONE, PLANE, MESH };
+  static const char *const shapes[] = {"box", "sphere", "cylinder", "cone", "plane", "mesh", NULL};
   cloth_value shape = at, other, scale;
   int found = -1;
   for (int i = 0; shapes[i]; i++) {
@@ -114,23 +137,27 @@ static cloth_status read_shape(cloth_value at, cloth_mesh *mesh, cloth_pose *loc
     found = i;
     shape = other;
   }
-  *plane = found == 3;
-  if (found != 4 && cloth_yaml_find(at, "scale", &scale))
+  *plane = found == PLANE;
+  if (found != MESH && cloth_yaml_find(at, "scale", &scale))
     CLOTH_YAML_FAIL(err, scale, "belongs to 'mesh' only");
   switch (found) {
-  case 0:
+  case BOX:
     return read_box(shape, mesh, err);
-  case 1:
+  case SPHERE:
     return read_sphere(shape, mesh, err);
-  case 2:
+  case CYLINDER:
     return read_cylinder(shape, mesh, err);
-  case 3:
+  case CONE:
+    return read_cone(shape, mesh, err);
+  case PLANE:
     return read_plane(shape, mesh, local, err);
-  case 4:
+  case MESH:
     CLOTH_TRY(read_file(shape, mesh, err));
     return cloth_read_scale(at, mesh, err);
   }
-  CLOTH_YAML_FAIL(err, at, "the body has no shape; give one of box, sphere, cylinder, plane, mesh");
+  CLOTH_YAML_FAIL(err, at,
+                  "the body has no shape; give one of box, sphere, cylinder, cone, plane, "
+                  "mesh");
 }
 
 static cloth_status add_body(cloth_value at, const cloth_body_view *view, bool plane,
@@ -165,8 +192,8 @@ static cloth_status read_body_motion(cloth_value at, const cloth_pose *local, cl
 
 cloth_status cloth_read_body(cloth_value at, cloth_def *def, cloth_error *err)
 {
-  static const char *const known[] = {"name",  "box",  "sphere",   "cylinder", "plane", "mesh",
-                                      "scale", "pose", "friction", "motion",   NULL};
+  static const char *const known[] = {"name", "box",   "sphere", "cylinder", "cone",   "plane",
+                                      "mesh", "scale", "pose",   "friction", "motion", NULL};
   CLOTH_TRY(cloth_yaml_mapping(at, known, err));
   cloth_value value;
   cloth_body_view view = {.pose = cloth_pose_identity(), .friction = 0.3};

@@ -29,6 +29,27 @@ static cloth_status read_grid(cloth_value at, cloth_mesh *out, cloth_error *err)
   return cloth_yaml_blame(err, at, status, &cause);
 }
 
+static cloth_status read_tube(cloth_value at, cloth_mesh *out, cloth_error *err)
+{
+  static const char *const known[] = {"radius", "length", "resolution", NULL};
+  cloth_value value;
+  double radius, length;
+  int resolution[2];
+  CLOTH_TRY(cloth_yaml_mapping(at, known, err));
+  CLOTH_TRY(cloth_yaml_need(at, "radius", &value, err));
+  CLOTH_TRY(cloth_yaml_number(value, "m", 1e-6, 1e4, &radius, err));
+  CLOTH_TRY(cloth_yaml_need(at, "length", &value, err));
+  CLOTH_TRY(cloth_yaml_number(value, "m", 1e-6, 1e4, &length, err));
+  CLOTH_TRY(cloth_yaml_need(at, "resolution", &value, err));
+  CLOTH_TRY(cloth_yaml_list(value, 2, 2, err));
+  for (int i = 0; i < 2; i++)
+    CLOTH_TRY(
+        cloth_yaml_int(cloth_yaml_item(value, i), "vertices", 3 - i, 10000, &resolution[i], err));
+  cloth_error cause = {0};
+  cloth_status status = cloth_mesh_tube(radius, length, resolution, out, &cause);
+  return cloth_yaml_blame(err, at, status, &cause);
+}
+
 // texture coordinates of a file are metres of material, unless they are to be scaled or left out
 static cloth_status read_material_coordinates(cloth_value at, cloth_value mesh,
                                               cloth_mesh_file *file, cloth_error *err)
@@ -62,25 +83,40 @@ static cloth_status read_material_coordinates(cloth_value at, cloth_value mesh,
   return CLOTH_OK;
 }
 
+// the shape's mesh, before its groups
+static cloth_status read_mesh(cloth_value at, cloth_value mesh, cloth_mesh_file *out,
+                              cloth_error *err)
+{
+  CLOTH_TRY(cloth_read_mesh_file(mesh, out, err));
+  CLOTH_TRY(cloth_read_scale(at, &out->mesh, err));
+  return read_material_coordinates(at, mesh, out, err);
+}
+
 static cloth_status read_shape(cloth_value at, cloth_mesh_file *out, cloth_error *err)
 {
-  cloth_value grid, mesh, value;
-  bool is_grid = cloth_yaml_find(at, "grid", &grid), is_mesh = cloth_yaml_find(at, "mesh", &mesh);
-  if (is_grid && is_mesh) CLOTH_YAML_FAIL(err, mesh, "stands beside 'grid'; a cloth has one shape");
-  if (!is_grid && !is_mesh)
-    CLOTH_YAML_FAIL(err, at, "the cloth has no shape; give 'grid' or 'mesh'");
-  if (is_grid) {
-    static const char *const for_mesh[] = {"scale", "material_coordinates", "material_scale"};
-    for (int i = 0; i < 3; i++)
-      if (cloth_yaml_find(at, for_mesh[i], &value))
-        CLOTH_YAML_FAIL(err, value, "belongs to 'mesh' only");
-    CLOTH_TRY(read_grid(grid, &out->mesh, err));
-  } else {
-    CLOTH_TRY(cloth_read_mesh_file(mesh, out, err));
-    CLOTH_TRY(cloth_read_scale(at, &out->mesh, err));
-    CLOTH_TRY(read_material_coordinates(at, mesh, out, err));
+  static const char *const shapes[] = {"grid", "tube", "mesh", NULL};
+  static const char *const for_mesh[] = {"scale", "material_coordinates", "material_scale", NULL};
+  cloth_value shape = at, value;
+  const char *found = NULL;
+  for (int i = 0; shapes[i]; i++) {
+    if (!cloth_yaml_find(at, shapes[i], &value)) continue;
+    if (found) CLOTH_YAML_FAIL(err, value, "stands beside '%s'; a cloth has one shape", found);
+    found = shapes[i];
+    shape = value;
   }
-  if (cloth_yaml_find(at, "groups", &value)) return cloth_read_groups(value, is_grid, out, err);
+  if (!found)
+    CLOTH_YAML_FAIL(err, at, "the cloth has no shape; give one of 'grid', 'tube' or 'mesh'");
+  for (int i = 0; for_mesh[i] && found[0] != 'm'; i++)
+    if (cloth_yaml_find(at, for_mesh[i], &value))
+      CLOTH_YAML_FAIL(err, value, "belongs to 'mesh' only");
+  if (found[0] == 'g')
+    CLOTH_TRY(read_grid(shape, &out->mesh, err));
+  else if (found[0] == 't')
+    CLOTH_TRY(read_tube(shape, &out->mesh, err));
+  else
+    CLOTH_TRY(read_mesh(at, shape, out, err));
+  const char *sides = found[0] == 'g' ? "xxyy" : found[0] == 't' ? "--zz" : "----";
+  if (cloth_yaml_find(at, "groups", &value)) return cloth_read_groups(value, sides, out, err);
   return CLOTH_OK;
 }
 
@@ -238,10 +274,19 @@ static cloth_status add_cloth(cloth_value at, cloth_cloth_view *view, const clot
 cloth_status cloth_read_cloth(cloth_value at, const cloth_materials *materials, cloth_def *def,
                               cloth_error *err)
 {
-  static const char *const known[] = {
-      "name",           "grid",     "mesh", "scale",    "material_coordinates",
-      "material_scale", "material", "pose", "velocity", "groups",
-      "pins",           NULL};
+  static const char *const known[] = {"name",
+                                      "grid",
+                                      "tube",
+                                      "mesh",
+                                      "scale",
+                                      "material_coordinates",
+                                      "material_scale",
+                                      "material",
+                                      "pose",
+                                      "velocity",
+                                      "groups",
+                                      "pins",
+                                      NULL};
   const cloth_named_material standard = {"default", cloth_material_default()},
                              *material = &standard;
   CLOTH_TRY(cloth_yaml_mapping(at, known, err));

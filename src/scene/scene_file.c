@@ -206,9 +206,9 @@ static cloth_status read_things(cloth_value root, const cloth_materials *materia
 
 static cloth_status read_scene(cloth_value root, cloth_def *def, cloth_error *err)
 {
-  static const char *const known[] = {"name",     "backend", "precision", "devices",
-                                      "duration", "params",  "effects",   "materials",
-                                      "cloths",   "bodies",  NULL};
+  static const char *const known[] = {"name",    "variables", "variants", "backend", "precision",
+                                      "devices", "duration",  "params",   "effects", "materials",
+                                      "cloths",  "bodies",    NULL};
   CLOTH_TRY(cloth_yaml_mapping(root, known, err));
   CLOTH_TRY(read_settings(root, def, err));
   cloth_materials materials = {0};
@@ -222,11 +222,18 @@ static cloth_status read_scene(cloth_value root, cloth_def *def, cloth_error *er
 
 cloth_status cloth_def_load(const char *path, cloth_def **out, cloth_error *err)
 {
+  return cloth_def_load_variant(path, NULL, out, err);
+}
+
+cloth_status cloth_def_load_variant(const char *path, const char *variant, cloth_def **out,
+                                    cloth_error *err)
+{
   *out = NULL;
   cloth_yaml file = {0};
   cloth_def *def;
   CLOTH_TRY(cloth_def_new(&def, err));
   cloth_status status = cloth_yaml_open(path, &file, err);
+  if (status == CLOTH_OK) status = cloth_resolve_variables(&file, variant, err);
   if (status == CLOTH_OK) status = read_scene(cloth_yaml_root(&file), def, err);
   cloth_yaml_close(&file);
   if (status != CLOTH_OK) {

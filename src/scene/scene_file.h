@@ -15,6 +15,10 @@ typedef struct cloth_materials {
   cloth_named_material *item;
 } cloth_materials;
 
+/// Put the values of `variables:` where a plain $NAME stands. `variant` (nullable): names of
+/// `variants:` and NAME=VALUE, with commas between; the later one wins. CLOTH_BAD_SCENE.
+cloth_status cloth_resolve_variables(cloth_yaml *file, const char *variant, cloth_error *err);
+
 /// Set the entry of a table that the value's key names.
 cloth_status cloth_read_setting(cloth_value at, const cloth_param_info *table, void *base,
                                 cloth_error *err);
@@ -41,7 +45,8 @@ cloth_status cloth_read_mesh_file(cloth_value at, cloth_mesh_file *out, cloth_er
 cloth_status cloth_read_scale(cloth_value mapping, cloth_mesh *mesh, cloth_error *err);
 
 /// `groups:` of a cloth: add to what the mesh file brought.
-cloth_status cloth_read_groups(cloth_value at, bool is_grid, cloth_mesh_file *file,
+/// sides  the axis (x, y, z) of the sides left, right, bottom and top of the shape; -: it has none
+cloth_status cloth_read_groups(cloth_value at, const char *sides, cloth_mesh_file *file,
                                cloth_error *err);
 
 /// One item of `bodies:`, of `cloths:` with its pins (the bodies are there by then).

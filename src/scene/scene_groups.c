@@ -9,8 +9,8 @@
 
 typedef struct selection {
   const cloth_mesh *mesh;
-  bool is_grid;
-  bool *chosen; // [vertex_count]
+  const char *sides; // axis of left, right, bottom, top; -: none
+  bool *chosen;      // [vertex_count]
 } selection;
 
 static const double *vertex(const selection *s, int v) { return s->mesh->position + 3 * (size_t)v; }
@@ -98,11 +98,13 @@ static cloth_status select_side(cloth_value at, selection *s, cloth_error *err)
   static const char *const sides[] = {"left", "right", "bottom", "top", NULL};
   int side;
   CLOTH_TRY(cloth_yaml_choice(at, sides, &side, err));
-  if (!s->is_grid) CLOTH_YAML_FAIL(err, at, "only a 'grid' has sides; select this mesh's by 'box'");
-  int axis = side / 2;
+  if (s->sides[side] == '-')
+    CLOTH_YAML_FAIL(err, at, "only a 'grid' has %s; select this mesh's by 'box'",
+                    side < 2 ? "left and right" : "sides, a 'tube' top and bottom");
+  int axis = s->sides[side] - 'x';
   double sign = side % 2 ? 1 : -1, most = -DBL_MAX;
   for (int v = 0; v < s->mesh->vertex_count; v++) most = fmax(most, sign * vertex(s, v)[axis]);
-  // grid borders are exact, and a scale keeps them so
+  // borders of grids and tubes are exact, and a scale keeps them so
   for (int v = 0; v < s->mesh->vertex_count; v++) s->chosen[v] |= sign * vertex(s, v)[axis] == most;
   return CLOTH_OK;
 }
@@ -150,7 +152,7 @@ static cloth_status keep(cloth_value at, const selection *s, cloth_group_def *ou
   return CLOTH_OK;
 }
 
-cloth_status cloth_read_groups(cloth_value at, bool is_grid, cloth_mesh_file *file,
+cloth_status cloth_read_groups(cloth_value at, const char *sides, cloth_mesh_file *file,
                                cloth_error *err)
 {
   CLOTH_TRY(cloth_yaml_mapping(at, NULL, err));
@@ -164,7 +166,7 @@ cloth_status cloth_read_groups(cloth_value at, bool is_grid, cloth_mesh_file *fi
     for (int g = 0; g < file->group_count; g++)
       if (strcmp(file->group[g].name, entry.key) == 0)
         CLOTH_YAML_FAIL(err, entry, "the mesh file has a group of this name");
-    selection s = {&file->mesh, is_grid, calloc((size_t)file->mesh.vertex_count, sizeof(bool))};
+    selection s = {&file->mesh, sides, calloc((size_t)file->mesh.vertex_count, sizeof(bool))};
     if (s.chosen == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for groups");
     file->group[file->group_count] = (cloth_group_def){0};
     file->group_count++;

@@ -90,10 +90,25 @@ static cloth_status read_keys(cloth_value at, const cloth_pose *start, cloth_mot
   return CLOTH_OK;
 }
 
+static cloth_status read_oscillation(cloth_value at, cloth_motion *out, cloth_error *err)
+{
+  static const char *const known[] = {"amplitude", "swing", "period", NULL};
+  cloth_value value;
+  CLOTH_TRY(cloth_yaml_mapping(at, known, err));
+  CLOTH_TRY(cloth_yaml_need(at, "period", &value, err));
+  CLOTH_TRY(cloth_yaml_number(value, "s", 1e-3, FAR, &out->period, err));
+  if (cloth_yaml_find(at, "amplitude", &value))
+    CLOTH_TRY(cloth_yaml_numbers(value, 3, "m", 1e3, out->amplitude, err));
+  if (cloth_yaml_find(at, "swing", &value))
+    CLOTH_TRY(cloth_yaml_numbers(value, 3, "rad", 1e3, out->swing, err));
+  return CLOTH_OK;
+}
+
 cloth_status cloth_read_motion(cloth_value at, const cloth_pose *start, cloth_motion *out,
                                cloth_error *err)
 {
-  static const char *const known[] = {"keys", "velocity", "spin", "start", "end", NULL};
+  static const char *const known[] = {"keys",  "velocity", "spin", "oscillation",
+                                      "start", "end",      NULL};
   *out = (cloth_motion){.end = INFINITY};
   CLOTH_TRY(cloth_yaml_mapping(at, known, err));
   cloth_value keys, value;
@@ -107,6 +122,7 @@ cloth_status cloth_read_motion(cloth_value at, const cloth_pose *start, cloth_mo
     CLOTH_TRY(cloth_yaml_numbers(value, 3, "m/s", 1e3, out->velocity, err));
   if (cloth_yaml_find(at, "spin", &value))
     CLOTH_TRY(cloth_yaml_numbers(value, 3, "rad/s", 1e3, out->spin, err));
+  if (cloth_yaml_find(at, "oscillation", &value)) CLOTH_TRY(read_oscillation(value, out, err));
   if (cloth_yaml_find(at, "start", &value))
     CLOTH_TRY(cloth_yaml_number(value, "s", 0, FAR, &out->start, err));
   if (cloth_yaml_find(at, "end", &value))

@@ -9,6 +9,7 @@
 #include <string.h>
 
 const tool_option tool_scene_options[] = {
+    {"variant", "LIST", "variants of the scene file, and VARIABLE=VALUE, e.g. small,speed=4"},
     {"backend", "NAME", "auto, cpu or shuffle"},
     {"devices", "LIST", "one device for each part, e.g. cpu,cpu"},
     {"precision", "NAME", "float or double"},

@@ -26,11 +26,11 @@ cloth_status tool_scene_load(const tool_arguments *args, const char *path, cloth
 {
   cloth_status status;
   *out = NULL;
-  CLOTH_TRY_GOTO(cloth_def_load(path, out, err), status, fail);
+  CLOTH_TRY_GOTO(cloth_def_load_variant(path, tool_text(args, "variant"), out, err), status, fail);
   for (int i = 0; i < args->given_count; i++) {
     const tool_given *given = &args->given[i];
     for (const tool_option *option = tool_scene_options; option->name; option++) {
-      if (given->option != option) continue;
+      if (given->option != option || strcmp(option->name, "variant") == 0) continue;
       status = strcmp(option->name, "set") == 0
                    ? set_pair(*out, given->value, err)
                    : cloth_def_set(*out, option->name, given->value, err);

@@ -3,6 +3,8 @@
 #
 #   test/bench/run.sh [BUILD_DIR] [RESULTS_DIR]
 #
+# HARD=small or HARD=full times the hard scenes (doc/scenes.md) instead, at that size, in the thick of it.
+#
 # Writes one CSV per scene under RESULTS_DIR/<processor>-<cores used>-cores (default: results/ beside
 # this script).
 set -eu
@@ -43,6 +45,36 @@ bench() {
   echo "== $name"
   $pin "$cloth" bench "$root/config/scenes/$scene.yaml" --threads $cores --csv "$out/$name.csv" "$@"
 }
+
+# what share of a step is collision: pairs, contact, ccd
+share() {
+  awk -F, '
+    NR == 1 { for (i = 1; i <= NF; i++) column[$i] = i; next }
+    $column["row"] == "step" { step = $column["median_ms"] }
+    $column["row"] ~ /^(pairs|contact|ccd)$/ { collision += $column["median_ms"] }
+    END { if (step > 0) printf "collision: %.0f %% of the step\n\n", 100 * collision / step }' "$out/$1.csv"
+}
+
+# SCENE[:VARIANT]=steps before the timing, at the small size's time step
+hard="twisted_cylinder=60 five_turns=150 rotating_sphere=50 funnel=15 tablecloth_pull=30 tablecloth_pull:pull_8=22
+  needles=35 mat_on_knives=30 sphere_sheets=25 flag_two_corners=60 towel_rolled=90 hand_on_crumpled_towel=120
+  towel_whipped=20 link_sweep=20 towel_on_towel=10 pinched=40 towels_clash=5"
+if [ -n "${HARD:-}" ]; then
+  failed=0
+  size=$HARD
+  [ "$size" = full ] && size=""
+  for entry in $hard; do
+    scene=${entry%%=*}
+    more=""
+    case $scene in *:*) more=${scene#*:} ;; esac
+    variant=$size${size:+${more:+,}}$more
+    name=${scene%%:*}${more:+_$more}_$HARD
+    bench "$name" "${scene%%:*}" ${variant:+--variant "$variant"} --precision float \
+      --warmup "${entry#*=}" --steps 10 --repeat 3 && share "$name" || failed=1
+  done
+  echo "written to $out"
+  exit $failed
+fi
 
 failed=0
 bench fold fold || failed=1

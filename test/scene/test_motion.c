@@ -108,6 +108,28 @@ static int spin_is_about_scene_axes(void)
   return 0;
 }
 
+// on top of velocity and spin; it begins in the middle, and stays where it is at the end
+static int oscillation_is_a_sine_between_start_and_end(void)
+{
+  cloth_motion m = {.velocity = {1, 0, 0},
+                    .amplitude = {0.2, 0.5, 0},
+                    .swing = {0, 0, 0.4},
+                    .period = 4,
+                    .start = 1,
+                    .end = 6};
+  cloth_pose start = about_z(5, 0.1);
+  const double rows[][3] = {
+      {0, 0, 0},  {1, 0, 0}, {2, 1, 1}, {3, 2, 0}, {3.5, 2.5, -0.70710678118654752},
+      {4, 3, -1}, {6, 5, 1}, {9, 5, 1}}; // time, elapsed, wave
+  for (int i = 0; i < 8; i++) {
+    cloth_pose p = cloth_motion_at(&m, start, rows[i][0]);
+    CHECK_NEAR(p.position[0], 5 + rows[i][1] + 0.2 * rows[i][2], 1e-14); // rounding
+    CHECK_NEAR(p.position[1], 0.5 * rows[i][2], 1e-14);
+    CHECK_NEAR(angle_about_z(&p), 0.1 + 0.4 * rows[i][2], 1e-14);
+  }
+  return 0;
+}
+
 static int what_moves_is_told_from_what_stays(void)
 {
   double time[2] = {0, 1};
@@ -121,6 +143,10 @@ static int what_moves_is_told_from_what_stays(void)
   CHECK(!cloth_motion_moves(&one));
   CHECK(cloth_motion_moves(&spin));
   CHECK(!cloth_motion_moves(&never));
+  cloth_motion wave = {.amplitude = {0, 0, 1}, .period = 1, .end = 1},
+               flat = {.amplitude = {0, 0, 1}, .end = 1};
+  CHECK(cloth_motion_moves(&wave));
+  CHECK(!cloth_motion_moves(&flat));
   cloth_pose start = about_z(1, 1), p = cloth_motion_at(&none, start, 10);
   CHECK(memcmp(&p, &start, sizeof p) == 0);
   return 0;
@@ -135,6 +161,7 @@ int main(int argc, char **argv)
   RUN(nearly_equal_rotations_do_not_divide_by_zero);
   RUN(velocity_and_spin_act_between_start_and_end);
   RUN(spin_is_about_scene_axes);
+  RUN(oscillation_is_a_sine_between_start_and_end);
   RUN(what_moves_is_told_from_what_stays);
   return failures != 0;
 }

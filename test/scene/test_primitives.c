@@ -66,6 +66,33 @@ static int cylinder_is_a_closed_prism(void)
   return 0;
 }
 
+// a frustum over a regular polygon, or a pyramid: A (1 + q + q^2) L / 3, q the ratio of the radii
+static int cone_is_a_closed_frustum(void)
+{
+  static const double radius[][2] = {{0.2, 0.1}, {0.2, 0}, {0, 0.2}, {0.05, 0.2}};
+  for (int segments = 3; segments <= 12; segments++)
+    for (int i = 0; i < 4; i++) {
+      cloth_mesh m;
+      cloth_error err = {0};
+      const double a = radius[i][0], b = radius[i][1];
+      CHECK_OK(cloth_mesh_cone(radius[i], 1.5, segments, &m, &err), err);
+      CHECK(check_closed(&m) == 0);
+      double polygon = 0.5 * segments * sin(2 * PI / segments);
+      CHECK_NEAR(shape_volume(&m), 1.5 / 3 * polygon * (a * a + a * b + b * b), 1e-15);
+      int tips = 0;
+      for (int v = 0; v < m.vertex_count; v++) {
+        const double *x = m.position + 3 * v;
+        CHECK(fabs(x[2]) == 0.75);
+        double r = sqrt(x[0] * x[0] + x[1] * x[1]), wanted = x[2] > 0 ? b : a;
+        if (r > 0) CHECK_NEAR(r, wanted, 1e-15);
+        tips += r == 0 && wanted == 0;
+      }
+      CHECK(tips == (a * b == 0));
+      cloth_mesh_free(&m);
+    }
+  return 0;
+}
+
 static int square_faces_up(void)
 {
   cloth_mesh m;
@@ -106,6 +133,14 @@ static int nonsense_is_refused_with_its_range(void)
     for (int k = 0; k < 5; k++)
       CHECK(strstr(err[k].text, what[k]) && strstr(err[k].text, "[m] is not in [1e-06, 10000]"));
   }
+  const double tips[][2] = {{0, 0}, {-1, 0}, {0.1, NAN}};
+  static const char *const wrong[] = {"radius = (0, 0) [m]: a cone has one tip",
+                                      "radius = -1 [m] is not in", "radius = nan [m] is not in"};
+  for (int i = 0; i < 3; i++) {
+    cloth_error err = {0};
+    CHECK(cloth_mesh_cone(tips[i], 1, 8, &m, &err) == CLOTH_BAD_SCENE);
+    CHECK(strstr(err.text, wrong[i]) != NULL);
+  }
   cloth_error err = {0};
   CHECK(cloth_mesh_sphere(1, 2, &m, &err) == CLOTH_BAD_SCENE);
   CHECK(strstr(err.text, "segments = 2 [1] is not in [3, 1000]") != NULL);
@@ -118,6 +153,7 @@ int main(int argc, char **argv)
   RUN(box_is_closed_with_exact_volume);
   RUN(sphere_volume_converges);
   RUN(cylinder_is_a_closed_prism);
+  RUN(cone_is_a_closed_frustum);
   RUN(square_faces_up);
   RUN(few_segments_are_closed_too);
   RUN(nonsense_is_refused_with_its_range);

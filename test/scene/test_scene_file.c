@@ -103,13 +103,13 @@ static int the_documented_example_means_what_it_says(void)
 // doc/materials.md shows the numbers of the files and of src/material.inl
 static int every_fabric_loads_and_is_documented(void)
 {
-  static const char *const fabrics[] = {"towel", "cotton", "denim", "silk"};
+  static const char *const fabrics[] = {"towel", "cotton", "soft_cotton", "denim", "silk"};
   char path[1024], text[2048], row[512];
   source_path("doc/materials.md", path, sizeof path);
   char *page = read_text(path);
   CHECK(page != NULL);
-  cloth_def *def[4];
-  for (int i = 0; i < 4; i++) {
+  cloth_def *def[5];
+  for (int i = 0; i < 5; i++) {
     cloth_error err = {0};
     source_path("config/materials", path, sizeof path);
     snprintf(
@@ -121,7 +121,7 @@ static int every_fabric_loads_and_is_documented(void)
   }
   for (const cloth_param_info *p = cloth_material_table(); p->name; p++) {
     int n = snprintf(row, sizeof row, "| `%s` | %s |", p->name, p->unit);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 5; i++)
       n += snprintf(row + n, sizeof row - (size_t)n, " %g |",
                     *(const double *)((const char *)&def[i]->cloth[0].material + p->offset));
     if (strstr(page, row) == NULL) printf("doc/materials.md has no row %s\n", row);
@@ -131,7 +131,7 @@ static int every_fabric_loads_and_is_documented(void)
     if (strstr(page, row) == NULL) printf("doc/materials.md has no row %s\n", row);
     CHECK(strstr(page, row) != NULL);
   }
-  for (int i = 0; i < 4; i++) cloth_def_free(def[i]);
+  for (int i = 0; i < 5; i++) cloth_def_free(def[i]);
   free(page);
   return 0;
 }
@@ -415,6 +415,87 @@ static int aliases_stand_for_what_they_name(void)
   return 0;
 }
 
+static int variables_stand_wherever_a_value_may(void)
+{
+  cloth_def *def;
+  cloth_error err = {0};
+  CHECK_OK(load("variables: {n: 3, size: [1, 2, 4], word: '$t', t: 2.5}\n"
+                "name: '$t'\nduration: $t\n"
+                "cloths: [{name: a, grid: {size: [1, $t], resolution: [$n, $n]}}]\n"
+                "bodies: [{name: $word, box: {size: $size}}, {name: b, box: {size: [1, 1, $t]}}]\n",
+                &def, &err),
+           err);
+  CHECK(def->duration == 2.5 && def->cloth[0].mesh.vertex_count == 9);
+  CHECK(strcmp(def->name, "$t") == 0 && strcmp(def->body[0].name, "$t") == 0); // quoted: text
+  CHECK(shape_volume(&def->body[0].mesh) == 8 && shape_volume(&def->body[1].mesh) == 2.5);
+  cloth_def_free(def);
+  return 0;
+}
+
+static int variants_are_applied_in_their_order(void)
+{
+  static const char *const text =
+      "variables: {t: 1, n: 2}\nvariants: {small: {t: 3}, fine: {t: 4, n: 5}}\nduration: $t\n"
+      "cloths: [{name: a, grid: {size: [1, 1], resolution: [$n, 2]}}]\n";
+  static const struct {
+    const char *variant;
+    double t;
+    int n;
+  } good[] = {{NULL, 1, 2},           {"", 1, 2},           {"small", 3, 2},
+              {"small,fine", 4, 5},   {"fine,small", 3, 5}, {"fine,t=9", 9, 5},
+              {"t=9,n=4,small", 3, 4}};
+  static const struct {
+    const char *variant, *expected;
+  } bad[] = {{"smal", "no variant 'smal'; the nearest is 'small'"},
+             {"small,,fine", "no variant ''"},
+             {"nn=3", "no variable 'nn'; the nearest is 'n'"},
+             {"n=few", "key 'resolution': expected a whole number"},
+             {"n=", "key 'resolution': expected a whole number"}};
+  folder f = folder_make();
+  const char *path = folder_write(&f, "s.yaml", text);
+  cloth_def *def;
+  for (int i = 0; i < 7; i++) {
+    cloth_error err = {0};
+    CHECK_OK(cloth_def_load_variant(path, good[i].variant, &def, &err), err);
+    CHECK(def->duration == good[i].t && def->cloth[0].mesh.vertex_count == 2 * good[i].n);
+    cloth_def_free(def);
+  }
+  for (int i = 0; i < 5; i++) {
+    cloth_error err = {0};
+    CHECK(cloth_def_load_variant(path, bad[i].variant, &def, &err) == CLOTH_BAD_SCENE);
+    CHECK(def == NULL && strstr(err.text, bad[i].expected) != NULL);
+  }
+  path = folder_write(&f, "s.yaml", "variables: {t: 1}\nvariants: {a: {u: 1}}\nduration: $t\n");
+  cloth_error err = {0};
+  CHECK(cloth_def_load_variant(path, "a", &def, &err) == CLOTH_BAD_SCENE);
+  CHECK(strstr(err.text, ":2: key 'u': no such variable; the nearest is 't'") != NULL);
+  folder_remove(&f);
+  return 0;
+}
+
+// every variant of every scene of the package; the scenes say which by their `variants:`
+static int the_small_scenes_of_the_package_load(void)
+{
+  static const char *const scenes[] = {
+      "twisted_cylinder", "five_turns",   "rotating_sphere",        "funnel",
+      "tablecloth_pull",  "needles",      "mat_on_knives",          "sphere_sheets",
+      "flag_two_corners", "towel_rolled", "hand_on_crumpled_towel", "towel_whipped",
+      "link_sweep",       "pinched",      "towel_on_towel",         "towels_clash"};
+  for (size_t i = 0; i < sizeof scenes / sizeof scenes[0]; i++) {
+    char name[256], path[1024];
+    cloth_def *def;
+    cloth_error err = {0};
+    snprintf(name, sizeof name, "config/scenes/%s.yaml", scenes[i]);
+    source_path(name, path, sizeof path);
+    CHECK_OK(cloth_def_load_variant(path, "small", &def, &err), err);
+    int vertices = 0;
+    for (int c = 0; c < def->cloth_count; c++) vertices += def->cloth[c].mesh.vertex_count;
+    CHECK(vertices < 2000 && def->duration > 0);
+    cloth_def_free(def);
+  }
+  return 0;
+}
+
 static int a_scene_without_a_name_is_called_like_its_file(void)
 {
   cloth_def *def;
@@ -443,6 +524,9 @@ int main(int argc, char **argv)
   RUN(repairs_of_files_are_counted);
   RUN(every_way_to_write_yaml);
   RUN(aliases_stand_for_what_they_name);
+  RUN(variables_stand_wherever_a_value_may);
+  RUN(variants_are_applied_in_their_order);
+  RUN(the_small_scenes_of_the_package_load);
   RUN(a_scene_without_a_name_is_called_like_its_file);
   return failures != 0;
 }

@@ -15,6 +15,7 @@ typedef struct row {
 #define GRID  "grid: {size: [1, 1], resolution: [3, 3]}"
 #define CLOTH "cloths:\n- name: a\n  " GRID "\n  " // the next key is on line 4
 #define BODY  "bodies:\n- name: b\n  "             // line 3
+#define TUBE  "tube: {radius: 1, length: 1, resolution: [5, 3]}"
 #define BOX   "box: {size: [1, 1, 1]}"
 
 // one row a line
@@ -61,6 +62,14 @@ static const row rows[] = {
     {"cloths: towel\n", 1, "cloths", "found 'towel'"},
     {"bodies: 3\n", 1, "bodies", "expected a list of at least 0, found '3'"},
     {"cloths: [3]\n", 1, "cloths", "expected keys with values, found '3'"},
+    // variables
+    {"variables: 3\n", 1, "variables", "expected keys with values, found '3'"},
+    {"variables: {a: $b, b: 1}\n", 1, "a", "a variable's value cannot be another variable"},
+    {"variables: {time: 1}\nduration: $tmie\n", 2, NULL, "'$tmie': no such variable; the nearest is 'time'"},
+    {"duration: $time\n", 1, NULL, "'$time': no such variable; the nearest is 'none: the file has no such key'"},
+    {"variables: {time: soon}\nduration: $time\n", 1, "duration", "'soon' is not a number"},
+    {"variables: {t: 1}\nvariants: {a: 3}\nduration: $t\ncloths: 1\n", 4, "cloths", "expected a list"},
+    {"variants: []\n", 1, "variants", "expected keys with values, found a list of 0"},
     // params, effects
     {"params: 1\n", 1, "params", "expected keys with values, found '1'"},
     {"params:\n  thicknes: 1e-3\n", 2, "thicknes", "unknown key; the nearest is 'thickness'"},
@@ -95,7 +104,7 @@ static const row rows[] = {
     {"cloths:\n- " GRID "\n", 2, "cloths", "'name' is missing"},
     {"cloths:\n- name: a b\n  " GRID "\n", 2, "cloths", "the cloth's name 'a b' is not a letter followed by"},
     {"cloths:\n- {name: a, " GRID "}\n- {name: a, " GRID "}\n", 3, "cloths", "there is a cloth 'a' already"},
-    {"cloths:\n- name: a\n", 2, "cloths", "the cloth has no shape; give 'grid' or 'mesh'"},
+    {"cloths:\n- name: a\n", 2, "cloths", "the cloth has no shape; give one of 'grid', 'tube' or 'mesh'"},
     {CLOTH "mesh: quad.obj\n", 4, "mesh", "stands beside 'grid'"},
     {CLOTH "scale: 2\n", 4, "scale", "belongs to 'mesh' only"},
     {CLOTH "material_scale: 2\n", 4, "material_scale", "belongs to 'mesh' only"},
@@ -160,7 +169,15 @@ static const row rows[] = {
     {CLOTH "groups: {g: {radius: {center: [0, 0, 0]}}}\n", 4, "radius", "'r' is missing"},
     {CLOTH "groups: {g: {radius: {center: [0, 0, 0], r: -1}}}\n", 4, "r", "-1 [m] is not in [0, 1e+06]"},
     {CLOTH "groups: {g: {side: front}}\n", 4, "side", "expected one of left, right, bottom, top, found 'front'"},
-    {"cloths:\n- name: a\n  mesh: quad.obj\n  groups: {g: {side: left}}\n", 4, "side", "only a 'grid' has sides"},
+    {"cloths:\n- name: a\n  mesh: quad.obj\n  groups: {g: {side: left}}\n", 4, "side", "only a 'grid' has left and right"},
+    {"cloths:\n- name: a\n  mesh: quad.obj\n  groups: {g: {side: top}}\n", 4, "side", "only a 'grid' has sides, a 'tube' top and bottom"},
+    {"cloths:\n- name: a\n  " TUBE "\n  groups: {g: {side: right}}\n", 4, "side", "only a 'grid' has left and right"},
+    {"cloths:\n- name: a\n  " TUBE "\n  grid: {}\n", 3, "tube", "stands beside 'grid'; a cloth has one shape"},
+    {"cloths:\n- name: a\n  " TUBE "\n  scale: 2\n", 4, "scale", "belongs to 'mesh' only"},
+    {"cloths:\n- name: a\n  tube: {radius: 1, length: 1}\n", 3, "tube", "'resolution' is missing"},
+    {"cloths:\n- name: a\n  tube: {radius: -1, length: 1, resolution: [3, 3]}\n", 3, "radius", "-1 [m] is not in [1e-06, 10000]"},
+    {"cloths:\n- name: a\n  tube: {radius: 1, length: 1, resolution: [2, 3]}\n", 3, "resolution", "2 [vertices] is not in [3, 10000]"},
+    {"cloths:\n- name: a\n  tube: {radius: 1, length: 1, resolution: [9999, 9999]}\n", 3, "tube", "more than 25 million vertices"},
     {"cloths:\n- name: a\n  mesh: quad.obj\n  groups: {sheet: {vertices: [0]}}\n", 4, "sheet", "the mesh file has a group of this name"},
     // pins
     {CLOTH "pins: {group: g}\n", 4, "pins", "expected a list of at least 0, found a mapping"},
@@ -180,7 +197,7 @@ static const row rows[] = {
     // bodies
     {"bodies:\n- " BOX "\n", 2, "bodies", "'name' is missing"},
     {"bodies:\n- {name: b, " BOX "}\n- {name: b, " BOX "}\n", 3, "bodies", "there is a body 'b' already"},
-    {BODY "pose: {}\n", 2, "bodies", "the body has no shape; give one of box, sphere, cylinder, plane, mesh"},
+    {BODY "pose: {}\n", 2, "bodies", "the body has no shape; give one of box, sphere, cylinder, cone, plane, mesh"},
     {BODY BOX "\n  sphere: {radius: 1}\n", 4, "sphere", "stands beside 'box'; a body has one shape"},
     {BODY BOX "\n  scale: 2\n", 4, "scale", "belongs to 'mesh' only"},
     {BODY BOX "\n  frcition: 1\n", 4, "frcition", "unknown key; the nearest is 'friction'"},
@@ -201,10 +218,17 @@ static const row rows[] = {
     {BODY "plane: {offset: low}\n", 3, "offset", "expected a number [m]"},
     {BODY "mesh: none.ply\n", 3, "mesh", "none.ply: No such file or directory"},
     {BODY "mesh: flat.obj\n", 2, "bodies", "'b': no triangle has an area"},
+    {BODY "cone: {length: 1}\n", 3, "cone", "'radius' is missing"},
+    {BODY "cone: {radius: [0, 0], length: 1}\n", 3, "cone", "radius = (0, 0) [m]: a cone has one tip"},
+    {BODY "cone: {radius: [1, 1, 1], length: 1}\n", 3, "radius", "expected a list of 2"},
+    {BODY "cone: {radius: 0, length: 1}\n", 3, "radius", "0 [m] is not in [1e-06, 10000]"},
     {BODY BOX "\n  motion: fast\n", 4, "motion", "expected keys with values, found 'fast'"},
     {BODY BOX "\n  motion: {speed: 1}\n", 4, "speed", "unknown key; the nearest is"},
     {BODY BOX "\n  motion: {velocity: [0, 0, 9e9]}\n", 4, "velocity", "9e+09 [m/s] is not in [-1000, 1000]"},
     {BODY BOX "\n  motion: {spin: 1}\n", 4, "spin", "expected a list of 3 numbers [rad/s], found '1'"},
+    {BODY BOX "\n  motion: {oscillation: {swing: [0, 0, 1]}}\n", 4, "oscillation", "'period' is missing"},
+    {BODY BOX "\n  motion: {oscillation: {period: 0}}\n", 4, "period", "0 [s] is not in [0.001, 1e+06]"},
+    {BODY BOX "\n  motion: {keys: [{time: 0}], oscillation: {period: 1}}\n", 4, "oscillation", "stands beside 'keys'"},
     {BODY BOX "\n  motion: {start: -1}\n", 4, "start", "-1 [s] is not in [0, 1e+06]"},
     {BODY BOX "\n  motion: {start: 3, end: 2}\n", 4, "end", "2 [s] is not in [3, inf]"},
     {BODY BOX "\n  motion: {keys: [{time: 0}], velocity: [0, 0, 1]}\n", 4, "velocity", "stands beside 'keys'"},

@@ -365,6 +365,18 @@ def params_prints_every_parameter(tmp):
     check("`density`" in cloth("params", "--material", cwd=tmp).stdout, "--material")
 
 
+def a_variant_changes_what_its_variables_say(tmp):
+    text = ("variables: {n: 3}\nvariants: {fine: {n: 5}}\nduration: 0.1\n"
+            "cloths: [{name: a, grid: {size: [1, 1], resolution: [$n, $n]}}]\n")
+    with open(os.path.join(tmp, "v.yaml"), "w") as f:
+        f.write(text)
+    for options, vertices in (((), 9), (("--variant", "fine"), 25), (("--variant", "fine,n=4"), 16), (("--variant=n=2",), 4)):
+        r = cloth("info", "v.yaml", *options, cwd=tmp)
+        check(r.returncode == 0 and "%d vertices" % vertices in r.stdout, r.stdout + r.stderr)
+    refused(tmp, ["info", "v.yaml", "--variant", "fin"], "no variant 'fin'; the nearest is 'fine'")
+    refused(tmp, ["run", "v.yaml", "--variant", "m=3"], "no variable 'm'; the nearest is 'n'")
+
+
 def bench_prints_stages_and_writes_rows(tmp):
     write(tmp, "s.yaml", SCENE)
     r = cloth("bench", "s.yaml", "--steps", "4", "--warmup", "2", "--repeat", "3", "--csv", "b.csv", cwd=tmp)
@@ -411,6 +423,7 @@ CASES = [
     a_recording_that_cannot_begin_is_refused,
     info_says_what_is_in_the_scene,
     params_prints_every_parameter,
+    a_variant_changes_what_its_variables_say,
     bench_prints_stages_and_writes_rows,
     every_command_has_help,
 ]

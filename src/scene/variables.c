@@ -1,0 +1,144 @@
+// `variables:` and `variants:` of a scene file: a plain $NAME anywhere in the file stands for a
+// variable's value, as a YAML alias would.
+#include "nearest.h"
+#include "scene/scene_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_reference(const yaml_node_t *node)
+{
+  return node->type == YAML_SCALAR_NODE && node->data.scalar.style == YAML_PLAIN_SCALAR_STYLE &&
+         node->data.scalar.length > 1 && node->data.scalar.value[0] == '$';
+}
+
+static int node_index(const cloth_yaml *file, const yaml_node_t *node)
+{
+  return (int)(node - file->document.nodes.start) + 1;
+}
+
+// ---- values -------------------------------------------------------------------------------------
+
+// the place in `variables` where the node of a variable's value is written; NULL: no such variable
+static int *slot_of(cloth_value variables, const char *name)
+{
+  int n = variables.node ? cloth_yaml_count(variables) : 0;
+  for (int i = 0; i < n; i++)
+    if (strcmp(cloth_yaml_pair(variables, i).key, name) == 0)
+      return &variables.node->data.mapping.pairs.start[i].value;
+  return NULL;
+}
+
+static const char *nearest_key(cloth_value mapping, const char *name)
+{
+  const char *best = NULL;
+  int n = mapping.node ? cloth_yaml_count(mapping) : 0;
+  for (int i = 0; i < n; i++) cloth_nearest(name, cloth_yaml_pair(mapping, i).key, &best);
+  return best ? best : "none: the file has no such key";
+}
+
+static cloth_status check_values(cloth_value variables, cloth_error *err)
+{
+  CLOTH_TRY(cloth_yaml_mapping(variables, NULL, err));
+  for (int i = 0; i < cloth_yaml_count(variables); i++) {
+    cloth_value value = cloth_yaml_pair(variables, i);
+    if (is_reference(value.node))
+      CLOTH_YAML_FAIL(err, value, "a variable's value cannot be another variable");
+  }
+  return CLOTH_OK;
+}
+
+// the values that a variant gives become those of the variables
+static cloth_status apply_variant(cloth_value variant, cloth_value variables, cloth_error *err)
+{
+  CLOTH_TRY(check_values(variant, err));
+  for (int i = 0; i < cloth_yaml_count(variant); i++) {
+    cloth_value value = cloth_yaml_pair(variant, i);
+    int *slot = slot_of(variables, value.key);
+    if (slot == NULL)
+      CLOTH_YAML_FAIL(err, value, "no such variable; the nearest is '%s'",
+                      nearest_key(variables, value.key));
+    *slot = node_index(variant.file, value.node);
+  }
+  return CLOTH_OK;
+}
+
+// NAME=VALUE
+static cloth_status apply_value(char *word, cloth_value root, cloth_value variables,
+                                cloth_error *err)
+{
+  char *value = strchr(word, '=');
+  *value++ = '\0';
+  int *slot = slot_of(variables, word);
+  if (slot == NULL)
+    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s: no variable '%s'; the nearest is '%s'", root.file->path,
+               word, nearest_key(variables, word));
+  int node = yaml_document_add_scalar(&root.file->document, NULL, (yaml_char_t *)value, -1,
+                                      YAML_PLAIN_SCALAR_STYLE);
+  if (node == 0) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for variable '%s'", word);
+  *slot = node;
+  return CLOTH_OK;
+}
+
+static cloth_status apply_word(char *word, cloth_value root, cloth_error *err)
+{
+  cloth_value variables = {.node = NULL}, variants = {.node = NULL}, variant;
+  if (!cloth_yaml_find(root, "variables", &variables)) variables.node = NULL;
+  if (!cloth_yaml_find(root, "variants", &variants)) variants.node = NULL;
+  if (strchr(word, '=')) return apply_value(word, root, variables, err);
+  if (variants.node == NULL || !cloth_yaml_find(variants, word, &variant))
+    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s: no variant '%s'; the nearest is '%s'", root.file->path,
+               word, nearest_key(variants, word));
+  return apply_variant(variant, variables, err);
+}
+
+// ---- references ---------------------------------------------------------------------------------
+
+// *index: of a node in the document; led on to the variable's value if the node names one
+static cloth_status resolve(cloth_value root, cloth_value variables, int *index, cloth_error *err)
+{
+  yaml_node_t *node = yaml_document_get_node(&root.file->document, *index);
+  if (node == NULL || !is_reference(node)) return CLOTH_OK;
+  const char *name = (const char *)node->data.scalar.value + 1;
+  const int *slot = slot_of(variables, name);
+  cloth_value at = {root.file, node, NULL};
+  if (slot == NULL)
+    CLOTH_YAML_FAIL(err, at, "'$%s': no such variable; the nearest is '%s'", name,
+                    nearest_key(variables, name));
+  *index = *slot;
+  return CLOTH_OK;
+}
+
+static cloth_status resolve_all(cloth_value root, cloth_error *err)
+{
+  const yaml_document_t *document = &root.file->document;
+  cloth_value variables;
+  if (!cloth_yaml_find(root, "variables", &variables)) variables.node = NULL;
+  for (yaml_node_t *n = document->nodes.start; n < document->nodes.top; n++) {
+    if (n->type == YAML_SEQUENCE_NODE)
+      for (int *i = n->data.sequence.items.start; i < n->data.sequence.items.top; i++)
+        CLOTH_TRY(resolve(root, variables, i, err));
+    if (n->type == YAML_MAPPING_NODE)
+      for (yaml_node_pair_t *p = n->data.mapping.pairs.start; p < n->data.mapping.pairs.top; p++)
+        CLOTH_TRY(resolve(root, variables, &p->value, err));
+  }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_resolve_variables(cloth_yaml *file, const char *variant, cloth_error *err)
+{
+  cloth_value root = cloth_yaml_root(file), at;
+  if (cloth_yaml_find(root, "variables", &at)) CLOTH_TRY(check_values(at, err));
+  if (cloth_yaml_find(root, "variants", &at)) CLOTH_TRY(cloth_yaml_mapping(at, NULL, err));
+  char *words = cloth_string_copy(variant ? variant : ""), *rest = words;
+  if (words == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for variant '%s'", variant);
+  cloth_status status = CLOTH_OK;
+  while (status == CLOTH_OK && rest && *rest) {
+    char *word = rest;
+    rest = strchr(rest, ',');
+    if (rest) *rest++ = '\0';
+    status = apply_word(word, cloth_yaml_root(file), err);
+  }
+  free(words);
+  return status == CLOTH_OK ? resolve_all(cloth_yaml_root(file), err) : status;
+}

@@ -21,7 +21,7 @@
 CLOTH_PARAM(double, time_step, 1.0 / 60, "s", 1e-5, 1e-1, "length of one step")
 CLOTH_PARAM(int, substeps, 1, "1", 1, 100, "equal parts a step is always cut into")
 CLOTH_PARAM(int, substeps_max, 16, "1", 1, 1000, "most parts a step is cut into when bodies move fast")
-CLOTH_PARAM(double, body_motion_max, 8e-3, "m", 1e-5, 1, "a body moves at most this far against the cloth near it in one substep")
+CLOTH_PARAM(double, body_motion_max, 8e-3, "m", 1e-5, 1, "in one substep a body moves at most this far against the cloth near it, and a hold jerks a vertex at most this far")
 CLOTH_PARAM(int, step_halvings_max, 6, "1", 0, 20, "times a failed substep is halved before the step is refused")
 
 // solver

@@ -26,6 +26,7 @@
 #include "flat_tile.h"
 #include "flat_triangle.h"
 #include "hold.h"
+#include "hold_jump.h"
 #include "impact_find.h"
 #include "impact_hold_back.h"
 #include "impact_limit.h"

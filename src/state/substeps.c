@@ -1,8 +1,11 @@
-// How many substeps a step is cut into: no body may move farther than body_motion_max against the
+// How many substeps a step is cut into. Holds: none may take a vertex farther than body_motion_max
+// from where it would coast to, because one linear system does not know what a cloth does that is
+// jerked by twice its edges. Bodies: none may move farther than body_motion_max against the
 // cloth near it between two searches. What carries the cloth along moves little against it, however
 // fast both are; contacts hardly turn then, and what is swept is tested by src/ccd/ in any case.
 #include "box_chunk.h"
 #include "effect/effect.h"
+#include "hold_jump.h"
 #include "motion_chunk.h"
 #include "predict.h"
 #include "state/sim.h"
@@ -92,10 +95,37 @@ static double relative_motion(const cloth_sim *sim, const travel *t)
   return most;
 }
 
+// how far holds jerk their vertices in this step [m]; a smooth swing hardly does
+static cloth_status jerk_of_holds(cloth_sim *sim, double h, double *out, cloth_error *err)
+{
+  *out = 0;
+  if (sim->held_count == 0) return CLOTH_OK;
+  cloth_part *p = &sim->part[0];
+  CLOTH_TRY(cloth_holds_aim(sim, 1, err));
+  cloth_hold_jump_args a = {p->held, p->x_t0, p->v, (cloth_real)h, p->aim};
+  CLOTH_LAUNCH(sim, p, hold_jump, sim->held_count, &a, err);
+  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->aim,
+                               sizeof(cloth_real) * 3 * (size_t)sim->held_count, err));
+  for (int i = 0; i < sim->held_count; i++) {
+    double jump[3];
+    for (int k = 0; k < 3; k++) jump[k] = (double)sim->host[3 * i + k];
+    *out = fmax(*out, length(jump));
+  }
+  return CLOTH_OK;
+}
+
+static void cut(const cloth_sim *sim, double motion, int *substeps)
+{
+  double n = ceil(motion / sim->params.body_motion_max);
+  if (n > *substeps) *substeps = n < sim->params.substeps_max ? (int)n : sim->params.substeps_max;
+}
+
 cloth_status cloth_substeps_count(cloth_sim *sim, double h, int *out, cloth_error *err)
 {
-  double most = 0, fastest = 0;
+  double most = 0, fastest = 0, jerk;
   *out = sim->params.substeps;
+  CLOTH_TRY(jerk_of_holds(sim, h, &jerk, err));
+  cut(sim, jerk, out);
   if (!sim->active[CLOTH_EFFECT_body_contact]) return CLOTH_OK;
   for (int b = 0; b < sim->def->body_count; b++) {
     travel t = travel_of(&sim->body[b]);
@@ -110,7 +140,6 @@ cloth_status cloth_substeps_count(cloth_sim *sim, double h, int *out, cloth_erro
     if (own > sim->params.body_motion_max * *out)
       most = fmax(most, fmin(own, relative_motion(sim, &t)));
   }
-  double cut = ceil(most / sim->params.body_motion_max);
-  if (cut > *out) *out = cut < sim->params.substeps_max ? (int)cut : sim->params.substeps_max;
+  cut(sim, most, out);
   return CLOTH_OK;
 }

@@ -14,9 +14,12 @@
 #include <string.h>
 #include <time.h>
 
-typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_UNSTABLE } outcome;
+typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_ROUGH, OUTCOME_UNSTABLE } outcome;
 
-enum { IMPACT_HALVINGS = 1 }; // a body that leaves no room is not cured by ever smaller steps
+// a body that leaves no room is not cured by ever smaller steps
+enum { IMPACT_HALVINGS = 1, ROUGH_HALVINGS = 2 };
+
+#define ROUGH 0.15 // a last correction above this share of an edge: the system was far from linear
 
 static double now_ms(void)
 {
@@ -49,15 +52,16 @@ static int owner_of_contact(const cloth_sim *sim)
 static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
 {
   int owner = sim->owner;
+  double correction = 0;
   sim->owner = CLOTH_CORE;
   for (int n = first; n < last; n++) {
-    double correction;
     sim->iteration = n;
     STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
     STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
     STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
     if (correction <= sim->params.newton_tolerance * sim->params.thickness) break;
   }
+  sim->correction = correction;
   CLOTH_TRY(cloth_holds_measure(sim, err));
   sim->owner = owner;
   return CLOTH_OK;
@@ -109,7 +113,8 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
   if (touch) CLOTH_TRY(part_what_meets(sim, &left, err));
   sim->owner = CLOTH_CORE;
   sim->impacts_left = left;
-  *result = left > 0 ? OUTCOME_IMPACTS : OUTCOME_GOOD;
+  bool rough = !(sim->correction <= ROUGH * sim->mean_edge);
+  *result = left > 0 ? OUTCOME_IMPACTS : rough ? OUTCOME_ROUGH : OUTCOME_GOOD;
   STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
   return CLOTH_OK;
 }
@@ -188,10 +193,10 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     sim->h = (to - done) * h;
     sim->time_t0 = sim->time + done * h;
     CLOTH_TRY(cloth_advance(sim, done, to, result, err));
-    bool again = *result == OUTCOME_UNSTABLE
-                     ? halvings < sim->params.step_halvings_max
-                     : *result == OUTCOME_IMPACTS && halvings < IMPACT_HALVINGS &&
-                           halvings < sim->params.step_halvings_max;
+    static const int most[] = {
+        [OUTCOME_IMPACTS] = IMPACT_HALVINGS, [OUTCOME_ROUGH] = ROUGH_HALVINGS};
+    bool again = *result != OUTCOME_GOOD && halvings < sim->params.step_halvings_max &&
+                 (*result == OUTCOME_UNSTABLE || halvings < most[*result]);
     if (again) {
       halvings++, sim->report->step_halvings++;
       share /= 2;
@@ -203,6 +208,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     CLOTH_TRY(accept(sim, err));
     sim->report->substeps++;
     sim->report->impacts_left += sim->impacts_left;
+    sim->report->newton_correction = fmax(sim->report->newton_correction, sim->correction);
     done = to;
   }
   return CLOTH_OK;

@@ -212,17 +212,18 @@ struct cloth_sim {
   double h;      // s, of this substep
   int iteration; // Newton iteration of this substep
   double *mean_velocity,
-      *acceleration; // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
-  bool mean_known;   // mean_velocity is that of the state
-  double speed_last; // m/s, fastest vertex of the last substep
-  double damping_h;  // s, step for which the damping numbers are set
-  bool pairs_valid;  // the candidates still cover every path from x_t0 to x
+      *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
+  bool mean_known;         // mean_velocity is that of the state
+  double speed_last;       // m/s, fastest vertex of the last substep
+  double damping_h;        // s, step for which the damping numbers are set
+  bool pairs_valid;        // the candidates still cover every path from x_t0 to x
   bool pairs_for_contacts; // and were searched up to the thickness, not for impacts alone
-  cloth_real *host;  // staging, as large as any vertex vector
+  cloth_real *host;        // staging, as large as any vertex vector
   size_t host_bytes;
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
-  int impacts_left; // of this substep
+  int impacts_left;  // of this substep
+  double correction; // m, largest correction of the last Newton iteration of this substep
   cloth_step_report *report;
 };
 

@@ -107,7 +107,7 @@ static int fingers(const char *precision)
     must(cloth_blocking_bodies(scene, list, 3, &count, &err), &err);
     CHECK(count == r.bodies_blocking && (count > 0) == (r.impacts_left > 0));
     for (int i = 0; i < count; i++) named[list[i]] = 1;
-    if (n <= 5) launches = r.launches > launches ? r.launches : launches;
+    if (n < 10) launches = r.launches > launches ? r.launches : launches;
     closing = r.launches > closing ? r.launches : closing;
     CHECK(isfinite(r.stretch_max) && isfinite(r.speed_max));
     scene_positions(scene, 0, x);

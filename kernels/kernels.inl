@@ -38,6 +38,7 @@ CLOTH_KERNEL(cell_fill, 256)
 CLOTH_KERNEL_UNEVEN(entry_work, 1024)
 CLOTH_KERNEL_UNEVEN(pair_share, 4)
 CLOTH_KERNEL_UNEVEN(pair_large, 8)
+CLOTH_KERNEL(tangle_find, 64)
 
 // contacts
 CLOTH_KERNEL_UNEVEN(contact_find, 256)

@@ -378,6 +378,18 @@ cloth_status cloth_contacts(cloth_scene *s, cloth_contact_view *out, int capacit
   return CALL(s, contacts, out, capacity, count, err);
 }
 
+cloth_status cloth_tangles(cloth_scene *s, cloth_tangle_view *out, int capacity, int *count,
+                           cloth_error *err)
+{
+  return CALL(s, tangles, out, capacity, count, err);
+}
+
+cloth_status cloth_blocking_bodies(cloth_scene *s, int *out, int capacity, int *count,
+                                   cloth_error *err)
+{
+  return CALL(s, blocking_bodies, out, capacity, count, err);
+}
+
 // ---- recorder -----------------------------------------------------------------------------------
 
 static cloth_record_subject subject(cloth_scene *s)

@@ -199,10 +199,12 @@ cloth_status cloth_state_load(cloth_scene *scene, const char *path, cloth_error 
 // ---- bodies and grasps --------------------------------------------------------------------------
 
 /// Where the body is to be at the end of the next step; it gets there on a straight line and the
-/// shorter rotation. The quaternion is normalised. CLOTH_BAD_ARGUMENT if not finite.
+/// shorter rotation. Farther than the parameter teleport_distance, or more than a quarter turn, is no
+/// motion: then the body is placed there when the step begins. The quaternion is normalised. CLOTH_BAD_ARGUMENT if not finite.
 cloth_status cloth_body_move(cloth_scene *scene, int body, const cloth_pose *pose, cloth_error *err);
 
-/// Put the body there at once, with no sweep in between.
+/// Put the body there at once, with no sweep in between. Cloth that it lands in is worked out of it
+/// over the next steps, whatever the parameter `untangle` says.
 cloth_status cloth_body_place(cloth_scene *scene, int body, const cloth_pose *pose, cloth_error *err);
 
 /// A hold on some vertices of a cloth. Zero is no grasp. A handle outlives what it names: using one
@@ -273,6 +275,28 @@ typedef struct cloth_contact_view {
 /// Contacts of the last step, at most `capacity`; *count is how many there are.
 cloth_status cloth_contacts(cloth_scene *scene, cloth_contact_view *out, int capacity, int *count,
                             cloth_error *err);
+
+/// Two triangles that intersect, or touch.
+typedef struct cloth_tangle_view {
+  int cloth, triangle;
+  int other_cloth; // -1: a body
+  int other_body;  // -1: a cloth
+  int other_triangle;
+} cloth_tangle_view;
+
+/// Every pair of triangles, cloth with cloth (also of one) and cloth with body, that intersect in the
+/// present state, each once and in ascending order; what a grasp lets its fingers reach into is left
+/// out. Of two triangles of one mesh that share a corner only the rest counts; neighbours across an
+/// edge are not looked at. Writes at most `capacity`; *count is how many there are. Changes nothing
+/// in the simulation. Blocks.
+cloth_status cloth_tangles(cloth_scene *scene, cloth_tangle_view *out, int capacity, int *count,
+                           cloth_error *err);
+
+/// The bodies that left the cloth no room in the last step (report: bodies_blocking), ascending: pairs
+/// still passed through at its end, and these bodies took part. Writes at most `capacity`; *count is
+/// how many there are.
+cloth_status cloth_blocking_bodies(cloth_scene *scene, int *out, int capacity, int *count,
+                                   cloth_error *err);
 
 // ---- recorder -----------------------------------------------------------------------------------
 

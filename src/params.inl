@@ -51,6 +51,10 @@ CLOTH_PARAM(int, zone_iterations_max, 10, "1", 0, 1000, "rounds of impact zones 
 CLOTH_CHOICE(flat_culling, 1, "off|on", "leave out pairs inside flat patches, which provably cannot touch; changes no result")
 CLOTH_PARAM(int, failsafe_iterations_max, 20, "1", 1, 1000, "passes that hold back what would pass through, before all involved vertices are stopped")
 
+// what is not as it should be
+CLOTH_CHOICE(untangle, 0, "false|true", "work out cloth that intersects at the start, over the following steps; otherwise it is only kept from getting worse")
+CLOTH_PARAM(double, teleport_distance, 0.5, "m", 1e-3, 1e6, "a body that is told to go farther in one step is placed there, not swept")
+
 // input
 CLOTH_CHOICE(mesh_defects, 0, "refuse|repair", "what to do with a mesh that has zero-area, duplicate or non-manifold parts")
 

@@ -182,6 +182,25 @@ static cloth_status accept(cloth_sim *sim, cloth_error *err)
 
 // ---- the step around it -------------------------------------------------------------------------
 
+// what no sweep could follow is a teleport: the body is where it was told to be
+static void place_teleports(cloth_sim *sim)
+{
+  const double quarter = sqrt(0.5); // cosine of half of it
+  for (int b = 0; b < sim->def->body_count; b++) {
+    cloth_body *body = &sim->body[b];
+    double c0[3], c1[3], d_sq = 0, dot = 0;
+    cloth_pose_point(&body->now, body->center, c0);
+    cloth_pose_point(&body->target, body->center, c1);
+    for (int k = 0; k < 3; k++) d_sq += (c1[k] - c0[k]) * (c1[k] - c0[k]);
+    for (int k = 0; k < 4; k++) dot += body->now.rotation[k] * body->target.rotation[k];
+    if (sqrt(d_sq) <= sim->params.teleport_distance && fabs(dot) >= quarter * (1 - 1e-9)) continue;
+    body->now = body->target;
+    sim->pairs_valid = false;
+    sim->report->teleports++;
+    cloth_body_settle(sim);
+  }
+}
+
 // the whole step in substeps; a failed one is repeated at half its length
 static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
@@ -192,6 +211,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     double to = done + share < 1 - 1e-9 ? done + share : 1;
     sim->h = (to - done) * h;
     sim->time_t0 = sim->time + done * h;
+    CLOTH_TRY(cloth_tangles_update(sim, done, err));
     CLOTH_TRY(cloth_advance(sim, done, to, result, err));
     static const int most[] = {
         [OUTCOME_IMPACTS] = IMPACT_HALVINGS, [OUTCOME_ROUGH] = ROUGH_HALVINGS};
@@ -206,6 +226,11 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
     mean_motion(sim);
     CLOTH_TRY(accept(sim, err));
+    sim->tangles.found = false;
+    if (*result == OUTCOME_IMPACTS) {
+      CLOTH_TRY(cloth_blocking_add(sim, err));
+      cloth_tangles_suspect(sim);
+    }
     sim->report->substeps++;
     sim->report->impacts_left += sim->impacts_left;
     sim->report->newton_correction = fmax(sim->report->newton_correction, sim->correction);
@@ -286,17 +311,20 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   int64_t allocations = sim->allocations, launches = sim->launches, growths = sim->growths;
   outcome result = OUTCOME_GOOD;
   begin_report(sim, report, h);
+  cloth_blocking_clear(sim);
   for (int b = 0; b < sim->def->body_count; b++) {
     const cloth_body_def *d = &sim->def->body[b];
     if (!sim->body[b].told && cloth_motion_moves(&d->motion))
       sim->body[b].target = cloth_motion_at(&d->motion, d->pose, sim->time + h);
   }
   CLOTH_TRY(cloth_pins_update(sim, sim->time + h, err));
+  place_teleports(sim);
   CLOTH_TRY(save_start(sim, false, err));
   CLOTH_TRY(advance_all(sim, h, &result, err));
   if (result == OUTCOME_UNSTABLE) {
     CLOTH_TRY(save_start(sim, true, err));
     cloth_guess_free_fall(sim);
+    cloth_tangles_suspect(sim);
     for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
     for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;
     CLOTH_FAIL(err, CLOTH_UNSTABLE,
@@ -307,6 +335,9 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
                1 << sim->params.step_halvings_max);
   }
   CLOTH_TRY(arrive(sim, err));
+  CLOTH_TRY(cloth_tangles_update(sim, 0, err));
+  report->tangles = sim->tangles.count;
+  report->bodies_blocking = sim->blocking.count;
   CLOTH_TRY(measure_stretch(sim, err));
   sim->time += h;
   report->step = ++sim->step;

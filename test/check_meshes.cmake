@@ -21,6 +21,11 @@ if(CGAL_FOUND)
     target_link_libraries(test_triangle_test PRIVATE cloth check_meshes_core GTest::gtest GTest::gtest_main)
     target_link_options(test_triangle_test PRIVATE ${CLOTH_SANITIZE_FLAGS}) # as the library it links
     add_test(NAME geometry_triangle_test COMMAND test_triangle_test)
+
+    add_executable(test_tangle ${CMAKE_CURRENT_LIST_DIR}/test_tangle.cpp)
+    target_link_libraries(test_tangle PRIVATE cloth check_meshes_core GTest::gtest GTest::gtest_main)
+    add_test(NAME engine_tangle_exact COMMAND test_tangle)
+    set_tests_properties(engine_tangle_exact PROPERTIES TIMEOUT 300 ENVIRONMENT "OMP_WAIT_POLICY=passive")
   endif()
 else()
   message(STATUS "CGAL not found: no check_meshes (Debian: libcgal-dev)")

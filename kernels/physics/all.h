@@ -44,6 +44,7 @@
 #include "pcg_update.h"
 #include "predict.h"
 #include "reduce_max.h"
+#include "tangle_find.h"
 #include "triangle_box.h"
 #include "vertex_box.h"
 #include "vertex_escape.h"

@@ -6,7 +6,7 @@
 // Stiffness: from mass and step, so that conditioning does not depend on either.
 #pragma once
 
-#include "contact_geometry.h"
+#include "tangle_pull.h"
 
 typedef struct cloth_contact_build_args {
   cloth_contact_scene scene;
@@ -28,11 +28,16 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
 {
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
-  cloth_pair_vertices(s, a->contact[i], &g);
+  cloth_pair pair = cloth_pair_unpack(s->format, a->contact[i]);
+  int pulls = pair.type >= CLOTH_PULL_FRONT;
   int replaced = i + 1 < a->count && a->contact[i + 1] == a->contact[i];
+  if (pulls)
+    cloth_tangle_pull(s, pair, &g);
+  else
+    cloth_pair_vertices(s, a->contact[i], &g);
   if (a->toi[i] > 0)
     cloth_contact_measure_at(s, (cloth_real)a->toi[i] / (cloth_real)CLOTH_WHOLE, &g);
-  else
+  else if (!pulls)
     cloth_contact_measure(s->x_t0, &g);
 
   cloth_real inverse_mass = 0;
@@ -44,12 +49,14 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
       inverse_mass += g.weight[c] * g.weight[c] / s->mass[v];
   }
   cloth_v3_store(a->normal, i, g.normal);
-  a->distance[i] = a->toi[i] > 0 ? cloth_contact_along(&g, s->x_t0) : g.distance;
-  cloth_real t = cloth_contact_thickness(s, &g);
+  cloth_real t = pulls ? s->thickness : cloth_contact_thickness(s, &g);
+  a->distance[i] = pulls           ? t - s->pull
+                   : a->toi[i] > 0 ? cloth_contact_along(&g, s->x_t0)
+                                   : g.distance;
   a->thickness[i] = t;
 
   int counts = inverse_mass > 0 && !replaced;
   a->k[i] = counts ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
   int body = cloth_contact_body(s, &g);
-  a->mu[i] = body >= 0 ? s->body_friction[body] : s->friction;
+  a->mu[i] = pulls ? 0 : body >= 0 ? s->body_friction[body] : s->friction;
 }

@@ -41,6 +41,18 @@ CLOTH_FN cloth_v3 cloth_contact_flight(const cloth_contact_scene *s,
   return u;
 }
 
+// Is it a vertex of cloth just behind the face of a body that it may leave? Then it goes out there;
+// deeper inside the way is not known.
+CLOTH_FN int cloth_contact_comes_out(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  if (g->type != CLOTH_VERTEX_FACE || !s->let_body) return 0;
+  if (g->vertex[0] >= s->cloth_vertices || g->vertex[1] < s->cloth_vertices) return 0;
+  cloth_v3 o = cloth_v3_load(s->x_t0, g->vertex[1]);
+  cloth_v3 front = cloth_v3_cross(cloth_v3_sub(cloth_v3_load(s->x_t0, g->vertex[2]), o),
+                                  cloth_v3_sub(cloth_v3_load(s->x_t0, g->vertex[3]), o));
+  return cloth_v3_dot(front, g->normal) < 0;
+}
+
 CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
 {
   const cloth_contact_scene *s = &a->scene;
@@ -59,6 +71,11 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
   if (!(nearest < s->thickness) || cloth_contact_ignored(s, &g)) return;
   if (!(nearest < cloth_contact_thickness(s, &g))) return;
   if (g.type == CLOTH_VERTEX_FACE && cloth_contact_told_across(s, &g, pair.b)) return;
+  uint64_t key = a->pair[i];
+  if (cloth_contact_strayed(s, &g)) {
+    if (!cloth_contact_comes_out(s, &g)) return;
+    key = cloth_pair_pack(s->format, CLOTH_PULL_FRONT, pair.a, pair.b);
+  }
   uint32_t at = cloth_atomic_add(a->count, 1);
-  if (at < a->capacity) a->contact[at] = a->pair[i];
+  if (at < a->capacity) a->contact[at] = key;
 }

@@ -30,13 +30,21 @@ typedef struct cloth_contact_scene {
   const cloth_real *body_friction; // [bodies]
   const int *grasp_of;             // [cloth vertices] 0: none, else 1 + grasp
   const unsigned char
-      *ignore; // [grasps x bodies] 1: contacts of held vertices with the body are off
+      *ignore;             // [grasps x bodies] 1: contacts of held vertices with the body are off
+  const int *stray;        // [cloth vertices] CLOTH_TANGLED and its like; NULL: nothing intersects
+  int let_cloth, let_body; // 1: what has strayed through cloth, a body, may come back
   int bodies;
   cloth_real thickness; // m
+  cloth_real pull;      // m, how far a substep works an intersection out
   cloth_real reach;     // m, how far free flight may end from x
   cloth_real friction;  // cloth on cloth
   cloth_key_format format;
 } cloth_contact_scene;
+
+/// Where intersections are (contact/stray.c): a vertex is a corner of a triangle that intersects
+/// cloth; it is, or may be, on the wrong side of cloth; of a body. From CLOTH_STRAY_OF bits up: 1 +
+/// the body of which it is on the wrong side, 0 for any.
+enum { CLOTH_TANGLED = 1, CLOTH_STRAY_CLOTH = 2, CLOTH_STRAY_BODY = 4, CLOTH_STRAY_OF = 3 };
 
 typedef struct cloth_contact_geometry {
   int type;
@@ -150,6 +158,37 @@ CLOTH_FN int cloth_contact_ignored(const cloth_contact_scene *s, const cloth_con
       return 1;
   }
   return !movable;
+}
+
+#define CLOTH_TOUCH_SHARE (cloth_real)5e-5 // of the thickness
+
+/// Are the features so close that no side is to be told?
+CLOTH_FN int cloth_contact_touches(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  cloth_contact_geometry now = *g;
+  cloth_contact_measure(s->x_t0, &now);
+  cloth_v3 o = cloth_v3_load(s->x_t0, g->vertex[0]);
+  cloth_real size = cloth_fabs(o.x) + cloth_fabs(o.y) + cloth_fabs(o.z);
+  return !(now.distance > CLOTH_TOUCH_SHARE * s->thickness &&
+           now.distance > 16 * CLOTH_REAL_EPSILON * size);
+}
+
+/// Has one side of the pair strayed through the other, or do they touch where cloth intersects?
+/// What distance and normal say is then the wrong way round, so no contact force acts on the pair.
+CLOTH_FN int cloth_contact_strayed(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  if (!s->stray) return 0;
+  int body = cloth_contact_body(s, g), split = g->type == CLOTH_VERTEX_FACE ? 1 : 2;
+  int stray = 0, tangled[2] = {0, 0};
+  for (int k = 0; k < 4; k++) {
+    if (g->vertex[k] >= s->cloth_vertices) continue;
+    int mark = s->stray[g->vertex[k]], of = mark >> CLOTH_STRAY_OF;
+    if (body >= 0) stray |= mark & CLOTH_STRAY_BODY && (of == 0 || of == 1 + body);
+    if (body < 0) stray |= (mark & CLOTH_STRAY_CLOTH) != 0;
+    if (mark & CLOTH_TANGLED) tangled[k >= split] = 1;
+  }
+  if (body >= 0) return stray;
+  return tangled[0] && tangled[1] && (stray || cloth_contact_touches(s, g));
 }
 
 /// The distance that this pair keeps [m]: the thickness, or less where the cloth's own mesh is

@@ -8,6 +8,18 @@
 #define CLOTH_IMPACT_SHARE                                                                         \
   (cloth_real)0.1 // a pair that starts closer keeps this much of its distance
 
+// likewise of features that have strayed: no contact force opens them again
+#define CLOTH_IMPACT_SHARE_STRAYED (cloth_real)0.5
+
+// May strayed features pass through each other? They may while they are being worked out, or if
+// they touch, so that they have no side. Otherwise each is kept on the side where it is, and no
+// edge comes to pierce a face that it did not pierce.
+CLOTH_FN int cloth_impact_let(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  return (cloth_contact_body(s, g) >= 0 ? s->let_body : s->let_cloth) ||
+         cloth_contact_touches(s, g);
+}
+
 /// 1 if the pair's distance falls to min(gap, CLOTH_IMPACT_SHARE times that at the start), with the
 /// time, never late, in *toi [0, 1] and the four vertices in *g. moved: [cloth vertices] pairs
 /// without a vertex so marked are known to be free; NULL tests all.
@@ -21,11 +33,16 @@ CLOTH_FN int cloth_impact(const cloth_contact_scene *s, uint64_t key, cloth_real
     if (!any) return 0;
   }
   if (!cloth_pair_near(s, g, gap) || cloth_contact_ignored(s, g)) return 0;
+  cloth_real share = CLOTH_IMPACT_SHARE;
+  if (cloth_contact_strayed(s, g)) {
+    if (cloth_impact_let(s, g)) return 0;
+    share = CLOTH_IMPACT_SHARE_STRAYED;
+  }
   cloth_v3 p[4], q[4]; // as stored: toi.h accounts for their rounding
   for (int k = 0; k < 4; k++) {
     p[k] = cloth_v3_load(s->x_t0, g->vertex[k]);
     q[k] = cloth_v3_load(s->x, g->vertex[k]);
   }
-  return g->type == CLOTH_VERTEX_FACE ? cloth_toi_vertex_face(p, q, gap, CLOTH_IMPACT_SHARE, toi)
-                                      : cloth_toi_edge_edge(p, q, gap, CLOTH_IMPACT_SHARE, toi);
+  return g->type == CLOTH_VERTEX_FACE ? cloth_toi_vertex_face(p, q, gap, share, toi)
+                                      : cloth_toi_edge_edge(p, q, gap, share, toi);
 }

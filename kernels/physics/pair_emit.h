@@ -20,7 +20,7 @@ typedef struct cloth_pair_mesh {
   cloth_real gap;               // m, distance at which a pair counts
   int self;                     // 1: cloth against cloth too
   int first, last;              // vertices of this part: pairs that touch none of them are left out
-  int triangles_only;           // 1: report (cloth triangle, body triangle) instead of features
+  int triangles_only;           // 1: report (cloth triangle, triangle) instead of features
   cloth_key_format format;
   cloth_flat_map flat; // what need not be looked at
   uint64_t *key; // [capacity]
@@ -80,8 +80,9 @@ CLOTH_FN void cloth_pair_emit(const cloth_pair_mesh *m, int ta, int tb)
 {
   if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return;
   if (m->triangles_only) {
-    const int *v = m->triangle + 3 * ta; // counted by the part of the first corner
-    if (cloth_pair_mine(m, v[0])) cloth_pair_append(m, CLOTH_VERTEX_FACE, ta, tb);
+    int low = ta < tb ? ta : tb; // counted by the part of its first corner
+    if (cloth_pair_mine(m, m->triangle[3 * low]))
+      cloth_pair_append(m, CLOTH_VERTEX_FACE, low, ta < tb ? tb : ta);
     return;
   }
   cloth_pair_vertices_face(m, ta, tb);

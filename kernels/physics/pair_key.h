@@ -1,5 +1,7 @@
 // A pair of features as one number, so that lists of pairs can be sorted into one order.
-// Vertex-face: a is the vertex, b the triangle. Edge-edge: a < b are the edges.
+// Vertex-face: a is the vertex, b the triangle. Edge-edge: a < b are the edges. Pulls, which work
+// out an intersection (tangle_pull.h): a is the vertex that is to go through triangle b to its
+// front or its back.
 #pragma once
 
 #include "real.h"
@@ -8,7 +10,13 @@ typedef struct cloth_key_format {
   int bits_a, bits_b;
 } cloth_key_format;
 
-enum { CLOTH_VERTEX_FACE = 0, CLOTH_EDGE_EDGE = 1 };
+enum {
+  CLOTH_VERTEX_FACE = 0,
+  CLOTH_EDGE_EDGE = 1,
+  CLOTH_PULL_FRONT = 2,
+  CLOTH_PULL_BACK = 3,
+  CLOTH_TYPE_BITS = 2
+};
 
 typedef struct cloth_pair {
   int type, a, b;

@@ -27,6 +27,9 @@ CLOTH_FN void cloth_zone_build(int i, const cloth_zone_build_args *a)
   cloth_contact_measure(s->x_t0, &g);
   // twice what counts as an impact, or half of what there was: five times what impact.h asks for
   cloth_real apart = g.distance / 2 < 2 * a->gap ? g.distance / 2 : 2 * a->gap;
+  if (cloth_contact_strayed(s,
+                            &g)) // no contact force opens it again: it must not close step by step
+    apart = g.distance * (cloth_real)1.25 < 2 * a->gap ? g.distance * (cloth_real)1.25 : 2 * a->gap;
 
   cloth_contact_measure_at(s, (cloth_real)a->toi[c] / (cloth_real)CLOTH_WHOLE, &g);
   for (int k = 0; k < 4; k++) {

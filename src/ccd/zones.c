@@ -60,7 +60,7 @@ void cloth_zones_free(cloth_zones *z)
 
 // ---- grouping -----------------------------------------------------------------------------------
 
-static void corners(const cloth_sim *sim, uint64_t key, int v[4])
+void cloth_pair_corners(const cloth_sim *sim, uint64_t key, int v[4])
 {
   cloth_pair p = cloth_pair_unpack(sim->format, key);
   if (p.type == CLOTH_VERTEX_FACE) {
@@ -152,7 +152,7 @@ static void take_found(cloth_sim *sim)
     while (k < known && z->key[z->by_key[k]] < key) z->spare[n++] = z->by_key[k++];
     int c = k < known && z->key[z->by_key[k]] == key ? z->by_key[k++] : z->count++;
     z->key[c] = key, z->toi[c] = z->found[i].toi;
-    corners(sim, key, z->vertex + 4 * c);
+    cloth_pair_corners(sim, key, z->vertex + 4 * c);
     z->spare[n++] = z->fresh[i] = c;
   }
   while (k < known) z->spare[n++] = z->by_key[k++];

@@ -67,6 +67,9 @@ cloth_status cloth_zones_add(struct cloth_sim *sim, cloth_error *err);
 /// Project every zone from the solver's end of the substep; x of every part is set.
 cloth_status cloth_zones_project(struct cloth_sim *sim, double gap, cloth_error *err);
 
+/// The four vertices of a pair of features.
+void cloth_pair_corners(const struct cloth_sim *sim, uint64_t key, int v[4]);
+
 /// Vertices of the largest zone.
 int cloth_zones_largest(const cloth_zones *zones);
 

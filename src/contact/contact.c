@@ -14,34 +14,42 @@
 
 #include <math.h>
 
+#define UNTANGLE_SPEED 0.15 // m/s, at which an intersection is worked out, and at most this
+#define UNTANGLE_SHARE 0.6  // share of the thickness in a substep
+
 enum { COUNT_CONTACTS = 3, COUNT_TOTALS = 6 }; // places in part->counter
 
 cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *p)
 {
   const double *g = sim->params.gravity;
   double fall = sim->h * sim->h * sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  cloth_contact_scene s = {.cloth_vertices = sim->vertex_count,
-                           .triangle = p->triangle,
-                           .edge = p->edge,
-                           .triangle_edge = p->triangle_edge,
-                           .edge_side = p->edge_side,
-                           .edge_flat = p->edge_flat,
-                           .x_t0 = p->x_t0,
-                           .x = p->x,
-                           .x_pred = p->x_pred,
-                           .rest = p->x_rest,
-                           .free = p->free,
-                           .mass = p->mass,
-                           .cloth_of = p->cloth_of,
-                           .body_of = p->body_of,
-                           .body_friction = p->body_friction,
-                           .grasp_of = p->grasp_of,
-                           .ignore = p->ignore,
-                           .bodies = sim->def->body_count,
-                           .thickness = (cloth_real)sim->params.thickness,
-                           .reach = (cloth_real)fmin(fall, sim->params.thickness),
-                           .friction = (cloth_real)sim->params.friction,
-                           .format = sim->format};
+  cloth_contact_scene s = {
+      .cloth_vertices = sim->vertex_count,
+      .triangle = p->triangle,
+      .edge = p->edge,
+      .triangle_edge = p->triangle_edge,
+      .edge_side = p->edge_side,
+      .edge_flat = p->edge_flat,
+      .x_t0 = p->x_t0,
+      .x = p->x,
+      .x_pred = p->x_pred,
+      .rest = p->x_rest,
+      .free = p->free,
+      .mass = p->mass,
+      .cloth_of = p->cloth_of,
+      .body_of = p->body_of,
+      .body_friction = p->body_friction,
+      .grasp_of = p->grasp_of,
+      .ignore = p->ignore,
+      .bodies = sim->def->body_count,
+      .thickness = (cloth_real)sim->params.thickness,
+      .reach = (cloth_real)fmin(fall, sim->params.thickness),
+      .friction = (cloth_real)sim->params.friction,
+      .stray = sim->tangles.count > 0 ? p->stray : NULL,
+      .let_cloth = cloth_untangles(sim, 0),
+      .let_body = cloth_untangles(sim, 1),
+      .pull = (cloth_real)fmin(UNTANGLE_SPEED * sim->h, UNTANGLE_SHARE * sim->params.thickness),
+      .format = sim->format};
   return s;
 }
 
@@ -76,6 +84,8 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
 
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
+  const cloth_tangle_list *t = &sim->tangles;
+  uint32_t pulls = t->count > 0 ? (uint32_t)t->pull_count : 0;
   for (;;) {
     uint32_t count;
     CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 1, err));
@@ -84,12 +94,15 @@ static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
     CLOTH_LAUNCH(sim, p, contact_find, p->pair_count, &a, err);
     CLOTH_TRY(cloth_count_read(sim, p, COUNT_CONTACTS, &count, err));
     p->contact_count = 0;
-    if (count > p->contact_capacity) {
-      CLOTH_TRY(grow_contacts(sim, p, count, err)); // too small: once more
+    if (count + pulls > p->contact_capacity) {
+      CLOTH_TRY(grow_contacts(sim, p, count + pulls, err)); // too small: once more
       continue;
     }
-    p->contact_count = (int)count;
-    return sim->backend->fill(p->device, p->contact_toi, 0, 4 * (size_t)count, err);
+    if (pulls > 0) // some twice: also found by contact_find.h
+      CLOTH_TRY(sim->backend->write(p->device, p->contact + count, t->pull, sizeof *t->pull * pulls,
+                                    err));
+    p->contact_count = (int)(count + pulls);
+    return sim->backend->fill(p->device, p->contact_toi, 0, 4 * (size_t)(count + pulls), err);
   }
 }
 
@@ -120,9 +133,9 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
 static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   if (p->contact_count == 0) return CLOTH_OK;
-  CLOTH_TRY(sim->backend->sort(p->device, p->contact_count,
-                               1 + sim->format.bits_a + sim->format.bits_b, p->contact,
-                               p->contact_toi, p->contact_spare, p->contact_toi_spare, err));
+  CLOTH_TRY(sim->backend->sort(
+      p->device, p->contact_count, CLOTH_TYPE_BITS + sim->format.bits_a + sim->format.bits_b,
+      p->contact, p->contact_toi, p->contact_spare, p->contact_toi_spare, err));
   cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
                                 .count = p->contact_count,
                                 .stiffness = (cloth_real)sim->params.contact_stiffness,

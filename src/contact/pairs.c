@@ -216,7 +216,7 @@ static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, const hash *h, clo
 }
 
 cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, double slack,
-                                 bool triangles_only, cloth_error *err)
+                                 cloth_pairs_wanted wanted, cloth_error *err)
 {
   hash h = {.grid = choose_grid(sim, gap, slack), .gap = gap, .slack = slack};
   int near = count_near_triangles(sim);
@@ -233,10 +233,11 @@ cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, doub
                           .vertex_box = p->vertex_box,
                           .box = p->triangle_box,
                           .gap = (cloth_real)gap,
-                          .self = sim->active[CLOTH_EFFECT_self_contact] && !triangles_only,
+                          .self = sim->active[CLOTH_EFFECT_self_contact] &&
+                                  wanted != CLOTH_PAIRS_BODY_TRIANGLES,
                           .first = p->v0,
                           .last = p->v1,
-                          .triangles_only = triangles_only,
+                          .triangles_only = wanted != CLOTH_PAIRS_FEATURES,
                           .format = sim->format};
   if (mesh.self) {
     CLOTH_TRY(cloth_flat_note(sim, p, err));
@@ -259,7 +260,7 @@ static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error
   sim->report->pair_searches++;
   sim->report->pairs = 0;
   for (int p = 0; p < sim->part_count; p++) {
-    CLOTH_TRY(cloth_pairs_of_part(sim, &sim->part[p], gap, slack, false, err));
+    CLOTH_TRY(cloth_pairs_of_part(sim, &sim->part[p], gap, slack, CLOTH_PAIRS_FEATURES, err));
     sim->report->pairs +=
         sim->part[p].pair_count; // a pair on a border is counted by each of its parts
   }

@@ -7,13 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int body_of_triangle(const cloth_sim *sim, int t)
-{
-  for (int b = 0; b < sim->def->body_count; b++)
-    if (t < sim->body[b].triangle_first + sim->body[b].triangle_count) return b;
-  return -1;
-}
-
 static int compare_pairs(const void *pa, const void *pb)
 {
   const cloth_body_pair *a = pa, *b = pb;
@@ -32,7 +25,7 @@ static cloth_status read_pairs(cloth_sim *sim, cloth_part *p, cloth_body_pair *a
   cloth_status status = sim->backend->read(p->device, key, p->pair, 8 * (size_t)p->pair_count, err);
   for (int i = 0; status == CLOTH_OK && i < p->pair_count; i++) {
     cloth_pair pair = cloth_pair_unpack(sim->format, key[i]);
-    int b = body_of_triangle(sim, pair.b), c = cloth_of_triangle(sim, pair.a);
+    int b = cloth_body_of_triangle(sim, pair.b), c = cloth_of_triangle(sim, pair.a);
     all[i] =
         (cloth_body_pair){b, pair.b - sim->body[b].triangle_first, c, sim->triangle_order[pair.a]};
   }
@@ -67,7 +60,7 @@ cloth_status cloth_sim_body_pairs(void *data, double margin, cloth_body_pair *ou
   CLOTH_TRY(freeze(sim, margin, err));
   for (int p = 0; p < sim->part_count; p++) {
     cloth_part *part = &sim->part[p];
-    CLOTH_TRY(cloth_pairs_of_part(sim, part, margin, 0, true, err));
+    CLOTH_TRY(cloth_pairs_of_part(sim, part, margin, 0, CLOTH_PAIRS_BODY_TRIANGLES, err));
     cloth_body_pair *all = malloc(sizeof *all * ((size_t)part->pair_count + 1));
     if (all == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "body pairs");
     cloth_status status = read_pairs(sim, part, all, err);

@@ -35,6 +35,8 @@ __attribute__((visibility("default"))) const cloth_engine CLOTH_ENGINE = {
     .grasp_wrench = cloth_sim_grasp_wrench,
     .body_pairs = cloth_sim_body_pairs,
     .contacts = cloth_sim_contacts,
+    .tangles = cloth_sim_tangles,
+    .blocking_bodies = cloth_sim_blocking_bodies,
     .effect_count = cloth_sim_effect_count,
     .effect_describe = cloth_sim_effect_describe,
 };

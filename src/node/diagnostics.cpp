@@ -59,12 +59,21 @@ Entry engineEntry(const Health &h, const std::string &node)
     e.raise(DiagnosticStatus::WARN, "a linear solve gave up in the last step");
   if (h.report.impacts_left > 0)
     e.raise(DiagnosticStatus::WARN, "pairs pass through in the last step");
+  if (!h.blocking.empty()) {
+    std::string names;
+    for (const std::string &name : h.blocking) names += (names.empty() ? "" : ", ") + name;
+    e.raise(DiagnosticStatus::WARN, "bodies leave the cloth no room: " + names);
+  }
+  if (h.report.tangles > 0)
+    e.raise(DiagnosticStatus::WARN, std::to_string(h.report.tangles) +
+                                        " pairs of triangles intersect (parameter untangle)");
   if (h.lost) e.raise(DiagnosticStatus::ERROR, "the scene is lost: " + h.last_failure);
   e.value("step", h.report.step);
   e.value("wall [ms]", h.report.wall_ms);
   e.value("substeps", h.report.substeps);
   e.value("linear iterations", h.report.pcg_iterations);
   e.value("contacts", h.report.contacts_self + h.report.contacts_body);
+  e.value("intersecting pairs", h.report.tangles);
   e.value("worst stretch", h.report.stretch_max);
   e.value("grasps", h.grasps);
   e.value("refused steps", h.failures);

@@ -239,7 +239,7 @@ string asText(const string &name, XmlRpcValue v)
     return text;
   }
   case XmlRpcValue::TypeBoolean: // YAML reads on and off as bool, as in effects: {wind: off}
-    return bool(v) ? "on" : "off";
+    return bool(v) ? "true" : "false";
   case XmlRpcValue::TypeArray: {
     string text;
     for (int i = 0; i < v.size(); i++) {
@@ -274,7 +274,11 @@ void checkSceneType(const string &name, const cloth_param_info *info, XmlRpcValu
       wrongType(name, "a list of 3 numbers", v);
     break;
   case cloth_param_info::CLOTH_IS_CHOICE:
-    if (v.getType() != XmlRpcValue::TypeString) wrongType(name, "a string", v);
+    if (std::strcmp(info->choices, "false|true") == 0) {
+      if (v.getType() != XmlRpcValue::TypeBoolean) wrongType(name, "true or false", v);
+    } else if (v.getType() != XmlRpcValue::TypeString) {
+      wrongType(name, "a string", v);
+    }
     break;
   }
 }

@@ -36,6 +36,45 @@ void Simulation::follow()
   report_ = {};
   settled_ = false;
   touched_ = true;
+  warnTangles();
+}
+
+// what intersects before the first step, pair by pair
+void Simulation::warnTangles()
+{
+  std::vector<cloth_tangle_view> pair(10);
+  int count = 0;
+  cloth_error err = {};
+  if (cloth_tangles(scene(), pair.data(), static_cast<int>(pair.size()), &count, &err) !=
+      CLOTH_OK) {
+    ROS_ERROR_STREAM("intersecting triangles: " << err.text);
+    return;
+  }
+  if (count == 0) return;
+  ROS_WARN_STREAM("the start intersects: " << count << " pairs of triangles; set untangle: true to "
+                                           << "have them worked out");
+  for (int i = 0; i < std::min(count, static_cast<int>(pair.size())); i++) {
+    const cloth_tangle_view &p = pair[static_cast<size_t>(i)];
+    const bool body = p.other_body >= 0;
+    ROS_WARN_STREAM("  cloth " << cloth_name(scene(), p.cloth) << " triangle " << p.triangle << ", "
+                               << (body ? "body " : "cloth ")
+                               << (body ? cloth_body_name(scene(), p.other_body)
+                                        : cloth_name(scene(), p.other_cloth))
+                               << " triangle " << p.other_triangle);
+  }
+}
+
+std::vector<std::string> Simulation::blockingBodies() const
+{
+  std::vector<std::string> names;
+  if (report_.bodies_blocking == 0) return names;
+  std::vector<int> body(static_cast<size_t>(report_.bodies_blocking));
+  int count = 0;
+  if (cloth_blocking_bodies(world_->scene.get(), body.data(), report_.bodies_blocking, &count,
+                            nullptr) != CLOTH_OK)
+    return names;
+  for (int b : body) names.emplace_back(cloth_body_name(world_->scene.get(), b));
+  return names;
 }
 
 // ---- time
@@ -300,6 +339,7 @@ Health Simulation::health() const
   h.grasps = grasping_.count();
   h.inputs = motion_.joints.counts;
   h.report = report_;
+  h.blocking = blockingBodies();
   h.problems = world_->problems;
   return h;
 }

@@ -13,6 +13,7 @@
 #include <memory>
 #include <ros/publisher.h>
 #include <string>
+#include <vector>
 
 namespace robot_cloth {
 
@@ -27,6 +28,7 @@ struct Health {
   bool paused = false, waiting_for_clock = false, lost = false;
   std::string paused_why, robot_waits_for, last_failure;
   double real_time_factor = 0, skipped = 0, lag = 0;
+  std::vector<std::string> blocking; // bodies that leave the cloth no room, by name
   uint64_t teleports = 0, failures = 0, mailbox_lost = 0;
   size_t grasps = 0;
   InputCounts inputs;
@@ -84,6 +86,8 @@ private:
   void readCloths(const Outputs::Wanted &wanted, Snapshot *s);
   void readContacts(Snapshot *s);
   void crossCheck(double margin);
+  void warnTangles();
+  std::vector<std::string> blockingBodies() const;
   bool statePath(const std::string &name, std::string *path, std::string *why) const;
   void claimClock();
 

@@ -68,6 +68,7 @@ cloth_status cloth_sim_state_set(void *data, int cloth, const double *position,
   cloth_guess_free_fall(sim);
   if (position != NULL)
     CLOTH_TRY(write_vector(sim, offsetof(cloth_part, x_t0), cloth, position, err));
+  if (position != NULL) cloth_tangles_suspect(sim);
   if (velocity != NULL) CLOTH_TRY(write_vector(sim, offsetof(cloth_part, v), cloth, velocity, err));
   return CLOTH_OK;
 }
@@ -78,6 +79,8 @@ cloth_status cloth_sim_reset(void *data, cloth_error *err)
   size_t n = 3 * (size_t)sim->vertex_count;
   sim->pairs_valid = false;
   sim->time = 0, sim->step = 0, sim->speed_last = 0;
+  sim->tangles.settling = false;
+  cloth_blocking_clear(sim);
   cloth_guess_free_fall(sim);
   CLOTH_TRY(cloth_staging(sim, n, err));
   for (size_t i = 0; i < n; i++) sim->host[i] = (cloth_real)sim->rest[i];
@@ -122,6 +125,7 @@ cloth_status cloth_sim_body_place(void *data, int body, const cloth_pose *pose, 
   sim->body[body].now = sim->body[body].target = *pose;
   sim->body[body].told = true;
   sim->pairs_valid = false;
+  cloth_body_settle(sim);
   return CLOTH_OK;
 }
 

@@ -216,7 +216,8 @@ void cloth_sim_free(void *data)
   free(sim->cloth_first), free(sim->triangle_first), free(sim->order), free(sim->internal);
   free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
       free(sim->owns);
-  cloth_zones_free(&sim->zones);
+  cloth_zones_free(&sim->zones), cloth_tangles_free(&sim->tangles);
+  free(sim->blocking.body);
   free(sim->edge_side), free(sim->edge_flat), free(sim->hinge), free(sim->hinge_triangle),
       free(sim->rest), free(sim->mass), free(sim->host), free(sim->held_index);
   free(sim);

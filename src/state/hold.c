@@ -86,6 +86,7 @@ static cloth_status write_flags(cloth_sim *sim, cloth_part *part, cloth_error *e
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err)
 {
   sim->held_count = sim->compliant_count = 0;
+  cloth_tangles_suspect(sim); // what a gripper held may reach into its fingers
   for (int h = 0; h < sim->hold_count; h++) {
     cloth_hold_state *hold = &sim->hold[h];
     if (!hold->alive) continue;

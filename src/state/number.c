@@ -144,6 +144,20 @@ int cloth_of_triangle(const cloth_sim *sim, int triangle)
   return c;
 }
 
+int cloth_body_of_triangle(const cloth_sim *sim, int triangle)
+{
+  int b = 0;
+  while (triangle >= sim->body[b].triangle_first + sim->body[b].triangle_count) b++;
+  return b;
+}
+
+int cloth_body_of_vertex(const cloth_sim *sim, int vertex)
+{
+  int b = 0;
+  while (vertex >= sim->body[b].vertex_first + sim->body[b].vertex_count) b++;
+  return b;
+}
+
 // the edges of a triangle in a flat frame whose first axis is the mesh's x axis laid onto the
 // triangle; axis, out: that direction
 static void flatten(const double x[3][3], double u[2][2], double axis[3])

@@ -177,10 +177,18 @@ cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_e
   return CLOTH_OK;
 }
 
-cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err)
+cloth_status cloth_freeze_bodies_at(cloth_sim *sim, double share, cloth_error *err)
 {
   CLOTH_TRY(cloth_box_update(sim, 0, err));
-  for (int b = 0; b < sim->def->body_count; b++)
-    sim->body[b].t0 = sim->body[b].t1 = sim->body[b].now;
+  for (int b = 0; b < sim->def->body_count; b++) {
+    cloth_body *body = &sim->body[b];
+    body->t0 = body->t1 =
+        share > 0 ? cloth_pose_between(body->now, body->target, share) : body->now;
+  }
   return move_bodies(sim, err);
+}
+
+cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err)
+{
+  return cloth_freeze_bodies_at(sim, 0, err);
 }

@@ -16,7 +16,8 @@ typedef struct file_header {
   uint64_t mesh; // digest of vertices and triangles
   double time;
   int64_t step;
-  int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, pad;
+  int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins;
+  int32_t tangles;     // 1: known to be free of them, 2: settling
   uint64_t body_bytes; // bytes after the vectors
 } file_header;
 
@@ -109,6 +110,7 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x)
   head.bodies = sim->def->body_count, head.holds = sim->hold_count;
   head.cloths = sim->def->cloth_count, head.mean_known = sim->mean_known;
   head.pins = sim->def->pin_count;
+  head.tangles = (sim->tangles.known_free ? 1 : 0) + (sim->tangles.settling ? 2 : 0);
   put(w, &head, sizeof head);
   put(w, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
   put(w, sim->pin_broken, (size_t)sim->def->pin_count);
@@ -279,7 +281,10 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   sim->mean_known = head.mean_known;
   sim->time = head.time, sim->step = head.step;
   sim->pairs_valid = false;
-  return cloth_holds_refresh(sim, err);
+  CLOTH_TRY(cloth_holds_refresh(sim, err));
+  sim->tangles.known_free = head.tangles & 1, sim->tangles.settling = head.tangles & 2;
+  cloth_blocking_clear(sim);
+  return CLOTH_OK;
 }
 
 cloth_status cloth_sim_load(void *data, const char *path, cloth_error *err)

@@ -12,7 +12,9 @@
 
 #include "backend.h"
 #include "box.h"
+#include "ccd/blocking.h"
 #include "ccd/zones.h"
+#include "contact/tangle.h"
 #include "flat_patch.h"
 #include "pair_key.h"
 #include "real.h"
@@ -97,6 +99,11 @@ typedef struct cloth_part {
   int *flat_first, *flat_list, *flat_source, *flat_extent, *flat_place, *flat_level;
   unsigned char *flat;
   cloth_real *flat_rest, *flat_height, *flat_gradient, *flat_range;
+
+  // triangles that intersect
+  uint64_t *tangle_key;
+  uint32_t *tangle_how, tangle_capacity;
+  int *stray; // [n] see contact_geometry.h
 
   // contacts
   uint64_t *contact, *contact_spare;
@@ -224,6 +231,8 @@ struct cloth_sim {
   cloth_zones zones;
   int impacts_left;  // of this substep
   double correction; // m, largest correction of the last Newton iteration of this substep
+  cloth_tangle_list tangles;
+  cloth_blocking blocking;
   cloth_step_report *report;
 };
 
@@ -283,6 +292,10 @@ void cloth_warp_direction(const cloth_sim *sim, int hinge, double warp[3]);
 int cloth_of_vertex(const cloth_sim *sim, int vertex);
 int cloth_of_triangle(const cloth_sim *sim, int triangle);
 
+/// The body that a triangle or a vertex of a body belongs to.
+int cloth_body_of_triangle(const cloth_sim *sim, int triangle);
+int cloth_body_of_vertex(const cloth_sim *sim, int vertex);
+
 /// beta / h of this substep for the damping effect.
 cloth_status cloth_damping_set(cloth_sim *sim, double h, cloth_error *err);
 
@@ -305,6 +318,8 @@ cloth_status cloth_box_update(cloth_sim *sim, double h, cloth_error *err);
 /// After x went elsewhere than predicted: the box anew, and bodies that it now meets become near.
 cloth_status cloth_bodies_join(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are
+cloth_status cloth_freeze_bodies_at(cloth_sim *sim, double share,
+                                    cloth_error *err); // at a share of the step
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err); // now, whatever is known already
 // after the solve: only pairs that come closer than `gap`, less than the thickness

@@ -30,6 +30,10 @@ cloth_status cloth_sim_body_pairs(void *sim, double margin, cloth_body_pair *out
                                   int *count, cloth_error *err);
 cloth_status cloth_sim_contacts(void *sim, cloth_contact_view *out, int capacity, int *count,
                                 cloth_error *err);
+cloth_status cloth_sim_tangles(void *sim, cloth_tangle_view *out, int capacity, int *count,
+                               cloth_error *err);
+cloth_status cloth_sim_blocking_bodies(void *sim, int *out, int capacity, int *count,
+                                       cloth_error *err);
 int cloth_sim_effect_count(void);
 cloth_status cloth_sim_effect_describe(const void *sim, int effect, cloth_effect_info *out,
                                        cloth_error *err);

@@ -1,11 +1,13 @@
 // cloth run: step a scene, write meshes and reports, say how it went.
 #include "output.h"
 #include "scene/def.h"
+#include "tangles.h"
 #include "tool.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -30,6 +32,9 @@ typedef struct totals {
   int64_t stretch_step;
   int contacts_self_max, contacts_body_max, impacts_left_max;
   int zone_largest;
+  int tangles_max, tangles_last;
+  unsigned char *blocking; // [bodies] 1: left the cloth no room in some step
+  int64_t blocking_steps, teleports;
   int64_t impacts, zones, held_back, impacts_left_steps, unconverged, substeps, halvings;
 } totals;
 
@@ -102,6 +107,10 @@ static void totals_add(totals *t, const cloth_step_report *r, double wall)
   if (r->contacts_self > t->contacts_self_max) t->contacts_self_max = r->contacts_self;
   if (r->contacts_body > t->contacts_body_max) t->contacts_body_max = r->contacts_body;
   if (r->impacts_left > t->impacts_left_max) t->impacts_left_max = r->impacts_left;
+  if (r->tangles > t->tangles_max) t->tangles_max = r->tangles;
+  t->tangles_last = r->tangles;
+  t->blocking_steps += r->bodies_blocking > 0;
+  t->teleports += r->teleports;
   t->impacts += r->impacts;
   t->zones += r->zones;
   t->held_back += r->held_back;
@@ -123,12 +132,14 @@ typedef struct run {
 static cloth_status run_steps(run *r, cloth_error *err)
 {
   if (r->mesh_every > 0) CLOTH_TRY(tool_output_meshes(r->output, r->scene, 0, err));
+  CLOTH_TRY(tool_tangles_print(r->scene, &r->totals.tangles_max, err));
   r->progress.start = tool_clock();
   for (int64_t i = 1; i <= r->steps && !stop_signal; i++) {
     cloth_step_report report = {0};
     double before = tool_clock();
     CLOTH_TRY(cloth_step(r->scene, 0, &report, err));
     totals_add(&r->totals, &report, tool_clock() - before);
+    if (report.bodies_blocking > 0) CLOTH_TRY(tool_blocking_add(r->scene, r->totals.blocking, err));
     if (r->output) CLOTH_TRY(tool_output_report(r->output, &report, err));
     bool last = i == r->steps || stop_signal;
     if (r->mesh_every > 0 && (i % r->mesh_every == 0 || last))
@@ -157,6 +168,12 @@ static void print_summary(const run *r, uint64_t hash)
   printf("impacts left      %d", t->impacts_left_max);
   if (t->impacts_left_steps) printf(" at most, in %" PRId64 " steps", t->impacts_left_steps);
   printf("\n");
+  printf("intersecting      %d pairs of triangles at the end", t->tangles_last);
+  if (t->tangles_max) printf(", %d at most", t->tangles_max);
+  printf("\n");
+  if (t->teleports)
+    printf("teleports         %" PRId64 " bodies placed, not swept\n", t->teleports);
+  if (t->blocking_steps) tool_blocking_print(r->scene, t->blocking, t->blocking_steps);
   if (t->unconverged) printf("unconverged       %" PRId64 " linear solves\n", t->unconverged);
   printf("state hash        %016" PRIx64 "\n", hash);
 }
@@ -206,6 +223,11 @@ static cloth_status run_prepare(const tool_arguments *args, run *r, cloth_error 
   CLOTH_TRY_GOTO(steps_wanted(args, def, &r->steps, err), status, done);
   CLOTH_TRY_GOTO(cloth_scene_new(def, &r->scene, err), status, done);
   cloth_scene_hash_steps(r->scene, tool_has(args, "hash"));
+  r->totals.blocking = calloc((size_t)cloth_body_count(r->scene) + 1, 1);
+  if (r->totals.blocking == NULL) {
+    status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "bodies");
+    goto done;
+  }
   const char *dir = tool_text(args, "out"), *record = tool_text(args, "record");
   if (dir)
     CLOTH_TRY_GOTO(tool_output_new(dir, tool_has(args, "force"), r->scene, &r->output, err), status,
@@ -235,6 +257,7 @@ static int run_main(const tool_arguments *args, cloth_error *err)
   }
   if (tool_output_close(r.output, err) != CLOTH_OK) code = TOOL_FAILED;
   cloth_scene_free(r.scene);
+  free(r.totals.blocking);
   return code;
 }
 

@@ -59,6 +59,6 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
   if (!(nearest < s->thickness) || cloth_contact_ignored(s, &g)) return;
   if (!(nearest < cloth_contact_thickness(s, &g))) return;
   if (g.type == CLOTH_VERTEX_FACE && cloth_contact_told_across(s, &g, pair.b)) return;
-  uint32_t at = cloth_atomic_add(a->count, 1);
+  uint32_t at = cloth_atomic_next(a->count);
   if (at < a->capacity) a->contact[at] = a->pair[i];
 }

@@ -1,6 +1,7 @@
 // Kernels of which one element is much work: a whole chunk, all chunks, a dense matrix. Here a block of
 // threads shares it. What a thread does for its vertex or entry is the physics header's; only loops
 // and sums are replaced, along the same trees, so the bits are those of the plain kernels.
+#define CLOTH_CHUNK_A_BLOCK
 #include "launch.h"
 #include "reduce.cuh"
 

@@ -22,10 +22,21 @@ static __device__ __forceinline__ cloth_real cloth_warp_larger(cloth_real v)
   return v;
 }
 
-/// The two warps of a chunk wait for each other; those of other chunks in the block go on.
+/// The two warps of a chunk wait for each other; those of other chunks in the block go on. Numbers of
+/// barriers are written out, because a block that names one at run time reserves all sixteen, and a
+/// multiprocessor then holds four blocks.
 static __device__ __forceinline__ void cloth_chunk_barrier(void)
 {
-  asm volatile("bar.sync %0, 64;" ::"r"(1 + (int)threadIdx.x / CLOTH_CHUNK) : "memory");
+#ifdef CLOTH_CHUNK_A_BLOCK
+  __syncthreads();
+#else
+  switch (threadIdx.x / CLOTH_CHUNK) {
+  case 0: asm volatile("bar.sync 1, 64;" ::: "memory"); break;
+  case 1: asm volatile("bar.sync 2, 64;" ::: "memory"); break;
+  case 2: asm volatile("bar.sync 3, 64;" ::: "memory"); break;
+  default: asm volatile("bar.sync 4, 64;" ::: "memory"); break;
+  }
+#endif
 }
 
 /// Sums of F numbers over each chunk of a block: 64 neighbouring threads are a chunk, and all of them

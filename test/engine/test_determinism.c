@@ -305,7 +305,7 @@ static int on_gpu(const char *precision)
 {
   static const char *const devices[] = {"0", "0,0", "0,0,0,0"};
   for (int i = 0; i < 3; i++) {
-    how h = {precision, "cuda", devices[i], "1", i == 1};
+    how h = {precision, "cuda", devices[i], "1", i == 1, false};
     if (compare(precision, &h)) return 1;
   }
   return 0;
@@ -315,7 +315,7 @@ BOTH(a_gpu_gives_the_bits_of_a_cpu_in_any_number_of_parts, on_gpu)
 static int gpu_twice(const char *precision)
 {
   uint64_t first[STEPS], second[STEPS];
-  how h = {precision, "cuda", "0", "1", false};
+  how h = {precision, "cuda", "0", "1", false, false};
   run(&h, first, NULL), run(&h, second, NULL);
   return same("the second run", first, second);
 }

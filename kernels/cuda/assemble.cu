@@ -37,9 +37,10 @@ cudaError_t cloth_cuda_assemble(cloth_device *d, int n, const void *args, cudaSt
 {
   int slots = static_cast<const cloth_assemble_row_args *>(args)->rows.widest * GROUPS;
   size_t shared = sizeof(cloth_real) * BLOCK * (size_t)slots;
-  if (shared > d->shared_bytes) shared = d->shared_bytes, slots = (int)(shared / sizeof(cloth_real) / BLOCK);
-  cudaError_t e =
-      cudaFuncSetAttribute(assemble_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)shared);
+  if (shared > d->shared_bytes)
+    shared = d->shared_bytes, slots = (int)(shared / sizeof(cloth_real) / BLOCK);
+  cudaError_t e = cudaFuncSetAttribute(assemble_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                       (int)shared);
   if (e != cudaSuccess) return e;
   assemble_kernel<<<(unsigned)(n + ROWS - 1) / ROWS, ROWS, shared, stream>>>(
       n, slots, *static_cast<const cloth_assemble_row_args *>(args));

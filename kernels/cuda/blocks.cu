@@ -1,6 +1,7 @@
-// Kernels of which one element is much work: a whole chunk, all chunks, a dense matrix. Here a block of
-// threads shares it. What a thread does for its vertex or entry is the physics header's; only loops
-// and sums are replaced, along the same trees, so the bits are those of the plain kernels.
+// Kernels of which one element is much work: a whole chunk, all chunks, a dense matrix. Here a
+// block of threads shares it. What a thread does for its vertex or entry is the physics header's;
+// only loops and sums are replaced, along the same trees, so the bits are those of the plain
+// kernels.
 #define CLOTH_CHUNK_A_BLOCK
 #include "launch.h"
 #include "reduce.cuh"
@@ -11,7 +12,8 @@ enum { CHUNK_THREADS = CLOTH_CHUNK, FACTOR_THREADS = 1024 };
 
 // ---- a chunk of vertices for each block ---------------------------------------------------------
 
-__global__ void __launch_bounds__(CHUNK_THREADS) start_kernel(const __grid_constant__ cloth_pcg_start_args a)
+__global__ void __launch_bounds__(CHUNK_THREADS)
+    start_kernel(const __grid_constant__ cloth_pcg_start_args a)
 {
   __shared__ cloth_real upper[CLOTH_PCG_PARTIALS * CLOTH_WARP];
   int i = (int)blockIdx.x, k = a.v.first + i * CLOTH_CHUNK + (int)threadIdx.x;
@@ -25,7 +27,8 @@ __global__ void __launch_bounds__(CHUNK_THREADS) start_kernel(const __grid_const
     for (int f = 0; f < CLOTH_PCG_PARTIALS; f++) partial[f] = sum[f];
 }
 
-__global__ void __launch_bounds__(CHUNK_THREADS) update_kernel(const __grid_constant__ cloth_pcg_update_args a)
+__global__ void __launch_bounds__(CHUNK_THREADS)
+    update_kernel(const __grid_constant__ cloth_pcg_update_args a)
 {
   __shared__ cloth_real upper[CLOTH_PCG_PARTIALS * CLOTH_WARP];
   if (a.v.scalar[CLOTH_PCG_DONE] > 0) return;
@@ -102,7 +105,8 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
   for (int f = 0; f < 4; f++) out[CLOTH_COMMIT_ENERGY + f] = sum[f];
 }
 
-__global__ void __launch_bounds__(CHUNK_THREADS) correct_kernel(const __grid_constant__ cloth_correct_args a)
+__global__ void __launch_bounds__(CHUNK_THREADS)
+    correct_kernel(const __grid_constant__ cloth_correct_args a)
 {
   __shared__ cloth_real larger;
   int i = (int)blockIdx.x, v = a.first + i * CLOTH_CHUNK + (int)threadIdx.x;
@@ -112,7 +116,8 @@ __global__ void __launch_bounds__(CHUNK_THREADS) correct_kernel(const __grid_con
   if (threadIdx.x == 0) a.largest[a.first / CLOTH_CHUNK + i] = size;
 }
 
-__global__ void __launch_bounds__(CHUNK_THREADS) max_kernel(const __grid_constant__ cloth_reduce_max_args a)
+__global__ void __launch_bounds__(CHUNK_THREADS)
+    max_kernel(const __grid_constant__ cloth_reduce_max_args a)
 {
   __shared__ cloth_real larger;
   int i = (int)blockIdx.x, begin = i * CLOTH_CHUNK, k = begin + (int)threadIdx.x;
@@ -120,7 +125,8 @@ __global__ void __launch_bounds__(CHUNK_THREADS) max_kernel(const __grid_constan
   if (threadIdx.x == 0) a.largest[i] = v;
 }
 
-__global__ void __launch_bounds__(CLOTH_WARP) box_kernel(const __grid_constant__ cloth_box_chunk_args a)
+__global__ void __launch_bounds__(CLOTH_WARP)
+    box_kernel(const __grid_constant__ cloth_box_chunk_args a)
 {
   int i = (int)blockIdx.x, begin = i * CLOTH_CHUNK, end = cloth_chunk_end(0, a.count, i);
   int v = begin + (int)threadIdx.x;
@@ -140,7 +146,8 @@ __global__ void __launch_bounds__(CLOTH_WARP) box_kernel(const __grid_constant__
 
 // ---- all chunks by one block --------------------------------------------------------------------
 
-__global__ void __launch_bounds__(CLOTH_PCG_LANES) alpha_kernel(const __grid_constant__ cloth_pcg_alpha_args a)
+__global__ void __launch_bounds__(CLOTH_PCG_LANES)
+    alpha_kernel(const __grid_constant__ cloth_pcg_alpha_args a)
 {
   __shared__ cloth_real lanes[CLOTH_PCG_LANES / 2];
   if (a.scalar[CLOTH_PCG_DONE] > 0) return;
@@ -149,7 +156,8 @@ __global__ void __launch_bounds__(CLOTH_PCG_LANES) alpha_kernel(const __grid_con
   if (threadIdx.x == 0) cloth_pcg_alpha_set(a.scalar, pq[0]);
 }
 
-__global__ void __launch_bounds__(CLOTH_PCG_LANES) beta_kernel(const __grid_constant__ cloth_pcg_beta_args a)
+__global__ void __launch_bounds__(CLOTH_PCG_LANES)
+    beta_kernel(const __grid_constant__ cloth_pcg_beta_args a)
 {
   __shared__ cloth_real lanes[CLOTH_PCG_LANES / 2];
   if (!a.start && a.scalar[CLOTH_PCG_DONE] > 0) return;
@@ -167,7 +175,8 @@ __global__ void __launch_bounds__(CLOTH_PCG_LANES)
   __shared__ cloth_real lanes[CLOTH_PCG_LANES / 2], larger[CLOTH_PCG_LANES / CLOTH_WARP];
   cloth_real rr[1], v = 0;
   cloth_block_partial_sums(a.partial, a.chunks, rr, lanes);
-  for (int c = (int)threadIdx.x; c < a.chunks; c += CLOTH_PCG_LANES) v = cloth_larger(v, a.largest[c]);
+  for (int c = (int)threadIdx.x; c < a.chunks; c += CLOTH_PCG_LANES)
+    v = cloth_larger(v, a.largest[c]);
   v = cloth_warp_larger(v);
   if (threadIdx.x % CLOTH_WARP == 0) larger[threadIdx.x / CLOTH_WARP] = v;
   __syncthreads();
@@ -179,8 +188,8 @@ __global__ void __launch_bounds__(CLOTH_PCG_LANES)
 
 // ---- the coarse level ---------------------------------------------------------------------------
 
-// a thread for each row; what couples to other aggregates is left to nine threads, one for each entry
-// of a block, in the order of the loop
+// a thread for each row; what couples to other aggregates is left to nine threads, one for each
+// entry of a block, in the order of the loop
 __global__ void __launch_bounds__(CHUNK_THREADS)
     coarse_chunk_kernel(const __grid_constant__ cloth_coarse_chunk_args a)
 {
@@ -199,7 +208,8 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
   if (e >= 9) return;
   for (int w = 0; w < 2; w++)
     for (unsigned left = rows[w]; left != 0; left &= left - 1)
-      cloth_coarse_foreign(i * CLOTH_CHUNK + w * CLOTH_WARP + __ffs((int)left) - 1, &a, e, e + 1, slice);
+      cloth_coarse_foreign(i * CLOTH_CHUNK + w * CLOTH_WARP + __ffs((int)left) - 1, &a, e, e + 1,
+                           slice);
 }
 
 __global__ void __launch_bounds__(CHUNK_THREADS)
@@ -334,8 +344,12 @@ cudaError_t coarse_inverse(cloth_device *, int n, const void *args, cudaStream_t
 
 } // namespace
 
-#define CHUNKS(name, kernel) case CLOTH_KERNEL_##name: return blocks<cloth_##name##_args, kernel, CHUNK_THREADS>
-#define BLOCKS(name, kernel, threads) case CLOTH_KERNEL_##name: return blocks<cloth_##name##_args, kernel, threads>
+#define CHUNKS(name, kernel)                                                                       \
+  case CLOTH_KERNEL_##name:                                                                        \
+    return blocks<cloth_##name##_args, kernel, CHUNK_THREADS>
+#define BLOCKS(name, kernel, threads)                                                              \
+  case CLOTH_KERNEL_##name:                                                                        \
+    return blocks<cloth_##name##_args, kernel, threads>
 
 cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
 {
@@ -357,12 +371,19 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     BLOCKS(coarse_factor, coarse_factor_kernel, FACTOR_THREADS);
     BLOCKS(coarse_rest, coarse_rest_kernel, CLOTH_WARP);
     BLOCKS(coarse_solve, coarse_solve_kernel, CLOTH_WARP);
-  case CLOTH_KERNEL_coarse_sum: return coarse_sum;
-  case CLOTH_KERNEL_coarse_inverse: return coarse_inverse;
-  case CLOTH_KERNEL_assemble_row: return cloth_cuda_assemble;
-  case CLOTH_KERNEL_membrane: return cloth_cuda_membrane;
-  case CLOTH_KERNEL_bend: return cloth_cuda_bend;
-  case CLOTH_KERNEL_pair_share: return cloth_cuda_pair_share;
-  default: return nullptr;
+  case CLOTH_KERNEL_coarse_sum:
+    return coarse_sum;
+  case CLOTH_KERNEL_coarse_inverse:
+    return coarse_inverse;
+  case CLOTH_KERNEL_assemble_row:
+    return cloth_cuda_assemble;
+  case CLOTH_KERNEL_membrane:
+    return cloth_cuda_membrane;
+  case CLOTH_KERNEL_bend:
+    return cloth_cuda_bend;
+  case CLOTH_KERNEL_pair_share:
+    return cloth_cuda_pair_share;
+  default:
+    return nullptr;
   }
 }

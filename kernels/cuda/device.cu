@@ -15,17 +15,21 @@ const char *name_of(cudaError_t e) { return cudaGetErrorString(e); }
 cloth_status status_of(cudaError_t e)
 {
   switch (e) {
-  case cudaErrorMemoryAllocation: return CLOTH_NO_MEMORY;
+  case cudaErrorMemoryAllocation:
+    return CLOTH_NO_MEMORY;
   case cudaErrorNoDevice:
   case cudaErrorInsufficientDriver:
   case cudaErrorInitializationError:
   case cudaErrorNoKernelImageForDevice:
   case cudaErrorUnsupportedPtxVersion:
-  case cudaErrorInvalidDevice: return CLOTH_UNSUPPORTED;
+  case cudaErrorInvalidDevice:
+    return CLOTH_UNSUPPORTED;
   case cudaErrorInvalidValue:
   case cudaErrorInvalidConfiguration:
-  case cudaErrorLaunchOutOfResources: return CLOTH_INTERNAL;
-  default: return CLOTH_DEVICE_LOST; // an error of the device sticks: no later call can succeed
+  case cudaErrorLaunchOutOfResources:
+    return CLOTH_INTERNAL;
+  default:
+    return CLOTH_DEVICE_LOST; // an error of the device sticks: no later call can succeed
   }
 }
 
@@ -67,10 +71,12 @@ void enable_peers(int index)
 cloth_status prepare(cloth_device *d, cloth_error *err)
 {
   CUDA_TRY(err, cudaSetDevice(d->index));
-  for (cudaStream_t &s : d->stream) CUDA_TRY(err, cudaStreamCreateWithFlags(&s, cudaStreamNonBlocking));
+  for (cudaStream_t &s : d->stream)
+    CUDA_TRY(err, cudaStreamCreateWithFlags(&s, cudaStreamNonBlocking));
   CUDA_TRY(err, cudaMallocHost(&d->pinned, PINNED_BYTES));
   int shared = 0;
-  CUDA_TRY(err, cudaDeviceGetAttribute(&d->multiprocessors, cudaDevAttrMultiProcessorCount, d->index));
+  CUDA_TRY(err,
+           cudaDeviceGetAttribute(&d->multiprocessors, cudaDevAttrMultiProcessorCount, d->index));
   CUDA_TRY(err, cudaDeviceGetAttribute(&shared, cudaDevAttrMaxSharedMemoryPerBlockOptin, d->index));
   d->shared_bytes = (size_t)shared;
   enable_peers(d->index);
@@ -101,8 +107,8 @@ cloth_status alloc(cloth_device *d, size_t bytes, void **out, cloth_error *err)
   size_t left = 0, all = 0;
   cudaGetLastError();
   if (e == cudaErrorMemoryAllocation && cudaMemGetInfo(&left, &all) == cudaSuccess)
-    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "cuda device %d: %zu bytes wanted, %zu of %zu are left", d->index,
-               bytes, left, all);
+    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "cuda device %d: %zu bytes wanted, %zu of %zu are left",
+               d->index, bytes, left, all);
   return cloth_cuda_fail(e, "cudaMalloc", __FILE__, __LINE__, err);
 }
 
@@ -131,12 +137,14 @@ cloth_status transfer(cloth_device *d, void *dst, const void *src, size_t bytes,
   return CLOTH_OK;
 }
 
-cloth_status write_device(cloth_device *d, void *dst, const void *host, size_t bytes, cloth_error *err)
+cloth_status write_device(cloth_device *d, void *dst, const void *host, size_t bytes,
+                          cloth_error *err)
 {
   return transfer(d, dst, host, bytes, false, err);
 }
 
-cloth_status read_device(cloth_device *d, void *host, const void *src, size_t bytes, cloth_error *err)
+cloth_status read_device(cloth_device *d, void *host, const void *src, size_t bytes,
+                         cloth_error *err)
 {
   return transfer(d, host, src, bytes, true, err);
 }

@@ -21,7 +21,8 @@ struct cloth_event {
   int device;
 };
 
-/// A CUDA error as a status: CLOTH_NO_MEMORY, CLOTH_DEVICE_LOST, CLOTH_UNSUPPORTED or CLOTH_INTERNAL.
+/// A CUDA error as a status: CLOTH_NO_MEMORY, CLOTH_DEVICE_LOST, CLOTH_UNSUPPORTED or
+/// CLOTH_INTERNAL.
 cloth_status cloth_cuda_fail(cudaError_t e, const char *what, const char *file, int line,
                              cloth_error *err);
 

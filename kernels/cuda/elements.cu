@@ -1,6 +1,6 @@
-// Elements that write many numbers each: a block collects them in shared memory and writes them side
-// by side. As in assemble.cu the kernel's own indices find their place in an array that is taken to
-// begin that much earlier.
+// Elements that write many numbers each: a block collects them in shared memory and writes them
+// side by side. As in assemble.cu the kernel's own indices find their place in an array that is
+// taken to begin that much earlier.
 #include "launch.h"
 
 namespace {
@@ -8,9 +8,11 @@ namespace {
 enum { THREADS = 64, MEMBRANE_FORCE = 9, MEMBRANE_TANGENT = 45, BEND = 12 };
 
 // the block's rows of a [n x Width] array
-template <int Width> __device__ void write_out(cloth_real *to, const cloth_real *shared, int first, int rows)
+template <int Width>
+__device__ void write_out(cloth_real *to, const cloth_real *shared, int first, int rows)
 {
-  for (int k = (int)threadIdx.x; k < rows * Width; k += THREADS) to[(int64_t)first * Width + k] = shared[k];
+  for (int k = (int)threadIdx.x; k < rows * Width; k += THREADS)
+    to[(int64_t)first * Width + k] = shared[k];
 }
 
 __global__ void __launch_bounds__(THREADS)
@@ -27,7 +29,8 @@ __global__ void __launch_bounds__(THREADS)
   write_out<MEMBRANE_TANGENT>(args.tangent, tangent, first, rows);
 }
 
-__global__ void __launch_bounds__(THREADS) bend_kernel(int n, const __grid_constant__ cloth_bend_args args)
+__global__ void __launch_bounds__(THREADS)
+    bend_kernel(int n, const __grid_constant__ cloth_bend_args args)
 {
   __shared__ cloth_real force[THREADS * BEND], gradient[THREADS * BEND];
   int first = (int)blockIdx.x * THREADS, rows = n - first < THREADS ? n - first : THREADS;

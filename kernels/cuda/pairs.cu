@@ -1,5 +1,5 @@
-// The workload table by warps: 32 pair tests side by side; what meets is collected until a whole warp
-// has something to emit. The list is in another order than a loop's, as it may be.
+// The workload table by warps: 32 pair tests side by side; what meets is collected until a whole
+// warp has something to emit. The list is in another order than a loop's, as it may be.
 #include "launch.h"
 
 namespace {
@@ -15,7 +15,8 @@ __device__ int emit(const cloth_pair_mesh *m, const int2 *found, int count, bool
     int take = count < WARP ? count : WARP;
     count -= take;
     int2 t = lane < take ? found[count + lane] : make_int2(0, 0);
-    uint32_t bits = lane < take ? cloth_pair_bits(m, t.x, t.y) : 0, n = (uint32_t)__popc(bits), sum = n;
+    uint32_t bits = lane < take ? cloth_pair_bits(m, t.x, t.y) : 0, n = (uint32_t)__popc(bits),
+             sum = n;
     for (int width = 1; width < WARP; width *= 2) {
       uint32_t before = __shfl_up_sync(0xffffffffu, sum, (unsigned)width);
       if (lane >= width) sum += before;

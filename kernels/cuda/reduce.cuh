@@ -22,31 +22,41 @@ static __device__ __forceinline__ cloth_real cloth_warp_larger(cloth_real v)
   return v;
 }
 
-/// The two warps of a chunk wait for each other; those of other chunks in the block go on. Numbers of
-/// barriers are written out, because a block that names one at run time reserves all sixteen, and a
-/// multiprocessor then holds four blocks.
+/// The two warps of a chunk wait for each other; those of other chunks in the block go on. Numbers
+/// of barriers are written out, because a block that names one at run time reserves all sixteen,
+/// and a multiprocessor then holds four blocks.
 static __device__ __forceinline__ void cloth_chunk_barrier(void)
 {
 #ifdef CLOTH_CHUNK_A_BLOCK
   __syncthreads();
 #else
   switch (threadIdx.x / CLOTH_CHUNK) {
-  case 0: asm volatile("bar.sync 1, 64;" ::: "memory"); break;
-  case 1: asm volatile("bar.sync 2, 64;" ::: "memory"); break;
-  case 2: asm volatile("bar.sync 3, 64;" ::: "memory"); break;
-  default: asm volatile("bar.sync 4, 64;" ::: "memory"); break;
+  case 0:
+    asm volatile("bar.sync 1, 64;" ::: "memory");
+    break;
+  case 1:
+    asm volatile("bar.sync 2, 64;" ::: "memory");
+    break;
+  case 2:
+    asm volatile("bar.sync 3, 64;" ::: "memory");
+    break;
+  default:
+    asm volatile("bar.sync 4, 64;" ::: "memory");
+    break;
   }
 #endif
 }
 
-/// Sums of F numbers over each chunk of a block: 64 neighbouring threads are a chunk, and all of them
-/// must come here. On the chunk's first thread. shared [chunks x CLOTH_CHUNK_SHARED], in a block of one
-/// chunk [F x 32].
+/// Sums of F numbers over each chunk of a block: 64 neighbouring threads are a chunk, and all of
+/// them must come here. On the chunk's first thread. shared [chunks x CLOTH_CHUNK_SHARED], in a
+/// block of one chunk [F x 32].
 template <int F>
-static __device__ __forceinline__ void cloth_block_chunk_sums(cloth_real (&v)[F], cloth_real *shared)
+static __device__ __forceinline__ void cloth_block_chunk_sums(cloth_real (&v)[F],
+                                                              cloth_real *shared)
 {
   int lane = (int)threadIdx.x % CLOTH_CHUNK, chunk = (int)threadIdx.x / CLOTH_CHUNK;
-  cloth_real *upper = shared + chunk * CLOTH_CHUNK_SHARED + lane % CLOTH_WARP; // of this chunk alone
+  cloth_real *upper =
+      shared + chunk * CLOTH_CHUNK_SHARED + lane % CLOTH_WARP; // of this chunk alone
   cloth_chunk_barrier(); // `upper` may still be read from the last time
   if (lane >= CLOTH_WARP)
     for (int f = 0; f < F; f++) upper[f * CLOTH_WARP] = v[f];
@@ -55,12 +65,13 @@ static __device__ __forceinline__ void cloth_block_chunk_sums(cloth_real (&v)[F]
     for (int f = 0; f < F; f++) v[f] = cloth_warp_sum(v[f] + upper[f * CLOTH_WARP]);
 }
 
-/// z of vertex k from its r and its sums, for the chunk of 64 neighbouring threads; the partial sums of
-/// the chunk in sum, on the chunk's first thread. cloth_pcg_chunk_finish() by threads. Every thread of
-/// the chunk must come here; r is zero where `there` is false. shared
-/// [chunks x CLOTH_CHUNK_SHARED].
+/// z of vertex k from its r and its sums, for the chunk of 64 neighbouring threads; the partial
+/// sums of the chunk in sum, on the chunk's first thread. cloth_pcg_chunk_finish() by threads.
+/// Every thread of the chunk must come here; r is zero where `there` is false. shared [chunks x
+/// CLOTH_CHUNK_SHARED].
 static __device__ __forceinline__ void cloth_block_z(const cloth_pcg_vectors *v, int k, bool there,
-                                                     cloth_v3 r, cloth_real (&sum)[CLOTH_PCG_PARTIALS],
+                                                     cloth_v3 r,
+                                                     cloth_real (&sum)[CLOTH_PCG_PARTIALS],
                                                      cloth_real *shared)
 {
   cloth_real total[3] = {r.x, r.y, r.z}, run[3] = {r.x, r.y, r.z}, terms[2] = {0, 0};
@@ -91,8 +102,8 @@ static __device__ __forceinline__ void cloth_block_z(const cloth_pcg_vectors *v,
 /// cloth_partial_sum() of fields 0 .. F - 1 by a block of CLOTH_PCG_LANES threads, on thread 0.
 /// shared [CLOTH_PCG_LANES / 2]. Every thread of the block must come here.
 template <int F>
-static __device__ __forceinline__ void cloth_block_partial_sums(const cloth_real *partial, int chunks,
-                                                                cloth_real (&sum)[F],
+static __device__ __forceinline__ void cloth_block_partial_sums(const cloth_real *partial,
+                                                                int chunks, cloth_real (&sum)[F],
                                                                 cloth_real *shared)
 {
   enum { WARPS = CLOTH_PCG_LANES / CLOTH_WARP };

@@ -1,6 +1,7 @@
-// A whole linear solve as one cooperative kernel: every step is a loop over chunks by all blocks, with
-// a barrier behind it. The block that comes last to a barrier adds the chunk sums up and sets the
-// scalars before it lets the others go, so an iteration has no launch, no read and no scalar kernel.
+// A whole linear solve as one cooperative kernel: every step is a loop over chunks by all blocks,
+// with a barrier behind it. The block that comes last to a barrier adds the chunk sums up and sets
+// the scalars before it lets the others go, so an iteration has no launch, no read and no scalar
+// kernel.
 #include "launch.h"
 #include "pcg_solve.h"
 #include "reduce.cuh"
@@ -8,7 +9,12 @@
 namespace {
 
 // four blocks on a multiprocessor: six need 40 registers a thread and were 3 % slower on an H100
-enum { RESIDENT = 4, THREADS = CLOTH_PCG_LANES, CHUNKS = THREADS / CLOTH_CHUNK, WARPS = THREADS / CLOTH_WARP };
+enum {
+  RESIDENT = 4,
+  THREADS = CLOTH_PCG_LANES,
+  CHUNKS = THREADS / CLOTH_CHUNK,
+  WARPS = THREADS / CLOTH_WARP
+};
 
 struct grid_state { // in device memory, zero before the launch
   unsigned arrived, passed;
@@ -68,7 +74,8 @@ __device__ void for_levels(const cloth_pcg_solve_args &a, cloth_real *upper, Row
   int chunks = (a.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
   for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
     int i = c + (int)threadIdx.x / CLOTH_CHUNK, k = a.v.first + i * CLOTH_CHUNK + lane;
-    cloth_real sum[CLOTH_PCG_PARTIALS], *partial = a.v.partial + CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK);
+    cloth_real sum[CLOTH_PCG_PARTIALS],
+        *partial = a.v.partial + CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK);
     cloth_v3 r = cloth_v3_make(0, 0, 0);
     bool there = k < a.v.first + a.v.count;
     if (there) r = row(k);
@@ -116,7 +123,8 @@ __device__ void turn(const cloth_pcg_solve_args &a, grid &g, int start, cloth_re
 {
   int warp = (int)threadIdx.x / CLOTH_WARP, lane = (int)threadIdx.x % CLOTH_WARP;
   if (a.v.coarse) { // a warp for each number, by all blocks
-    int n = 3 * a.v.aggregates, first = (int)blockIdx.x * WARPS + warp, stride = (int)gridDim.x * WARPS;
+    int n = 3 * a.v.aggregates, first = (int)blockIdx.x * WARPS + warp,
+        stride = (int)gridDim.x * WARPS;
     barrier(g);
     for (int k = first; k < n; k += stride) {
       cloth_real sum = cloth_warp_sum(cloth_coarse_rest_lane(&a.rest, k / 3, k % 3, lane));
@@ -137,7 +145,8 @@ __device__ void turn(const cloth_pcg_solve_args &a, grid &g, int start, cloth_re
   barrier(g);
 }
 
-__device__ void product(const cloth_pcg_solve_args &a, grid &g, cloth_real *upper, cloth_real *lanes)
+__device__ void product(const cloth_pcg_solve_args &a, grid &g, cloth_real *upper,
+                        cloth_real *lanes)
 {
   int stride = (int)(gridDim.x * blockDim.x);
   for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < a.contacts; i += stride)
@@ -188,7 +197,7 @@ cloth_status cloth_cuda_solve(cloth_device *d, const cloth_pcg_solve_args *args,
   cudaStream_t stream = d->stream[CLOTH_COMPUTE];
   CUDA_TRY(err, cudaMemsetAsync(state, 0, sizeof(grid_state), stream));
   void *parameters[] = {const_cast<cloth_pcg_solve_args *>(args), &state};
-  CUDA_TRY(err, cudaLaunchCooperativeKernel(solve_kernel, dim3((unsigned)blocks), dim3(THREADS), parameters,
-                                            0, stream));
+  CUDA_TRY(err, cudaLaunchCooperativeKernel(solve_kernel, dim3((unsigned)blocks), dim3(THREADS),
+                                            parameters, 0, stream));
   return CLOTH_OK;
 }

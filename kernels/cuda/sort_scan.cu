@@ -16,17 +16,19 @@ cloth_status cloth_cuda_sort(cloth_device *d, int n, int bits, uint64_t *key, ui
   void *scratch = nullptr;
   for (int pass = 0; pass < 2; pass++) { // ask for the size, then sort
     if (value != nullptr)
-      CUDA_TRY(err, cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, n, 0, bits, stream));
+      CUDA_TRY(err,
+               cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, n, 0, bits, stream));
     else
       CUDA_TRY(err, cub::DeviceRadixSort::SortKeys(scratch, bytes, keys, n, 0, bits, stream));
     if (pass == 0) CLOTH_TRY(cloth_cuda_scratch(d, bytes ? bytes : 1, &scratch, err));
   }
   size_t count = (size_t)n;
   if (keys.Current() != key)
-    CUDA_TRY(err, cudaMemcpyAsync(key, key_spare, sizeof *key * count, cudaMemcpyDeviceToDevice, stream));
-  if (value != nullptr && values.Current() != value)
-    CUDA_TRY(err, cudaMemcpyAsync(value, value_spare, sizeof *value * count, cudaMemcpyDeviceToDevice,
+    CUDA_TRY(err, cudaMemcpyAsync(key, key_spare, sizeof *key * count, cudaMemcpyDeviceToDevice,
                                   stream));
+  if (value != nullptr && values.Current() != value)
+    CUDA_TRY(err, cudaMemcpyAsync(value, value_spare, sizeof *value * count,
+                                  cudaMemcpyDeviceToDevice, stream));
   return CLOTH_OK;
 }
 

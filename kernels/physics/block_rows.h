@@ -7,9 +7,9 @@
 
 #include "real.h"
 
-// A group is what one instruction serves: eight lanes of a CPU, a warp of a GPU. Measured on an H100:
-// groups of 32 reach 87 % of the bandwidth of a copy, groups of 8 79 % (test/bench/spmv.cu). It does
-// not show in the sums.
+// A group is what one instruction serves: eight lanes of a CPU, a warp of a GPU. Measured on an
+// H100: groups of 32 reach 87 % of the bandwidth of a copy, groups of 8 79 % (test/bench/spmv.cu).
+// It does not show in the sums.
 #ifdef __CUDACC__
 enum { CLOTH_ROW_GROUP = 32 };
 #else

@@ -14,10 +14,7 @@ CLOTH_FN int cloth_chunk_end(int first, int count, int chunk)
 }
 
 /// The larger of two; NaN if either is.
-CLOTH_FN cloth_real cloth_larger(cloth_real a, cloth_real b)
-{
-  return !(b <= a) && a == a ? b : a;
-}
+CLOTH_FN cloth_real cloth_larger(cloth_real a, cloth_real b) { return !(b <= a) && a == a ? b : a; }
 
 /// Pairwise sum of `width` numbers, a power of two: the tree that the threads of a GPU block walk
 /// too, so that both give the same bits. v is overwritten.
@@ -29,7 +26,4 @@ CLOTH_FN cloth_real cloth_lanes_sum(cloth_real *v, int width)
 }
 
 /// Sum of a chunk's numbers; what lies behind the end of the chunk is zero.
-CLOTH_FN cloth_real cloth_chunk_sum(cloth_real *v)
-{
-  return cloth_lanes_sum(v, CLOTH_CHUNK);
-}
+CLOTH_FN cloth_real cloth_chunk_sum(cloth_real *v) { return cloth_lanes_sum(v, CLOTH_CHUNK); }

@@ -1,6 +1,7 @@
 // The rows of chunk i summed into the coarse matrix P' A P: three rows, three columns per
-// aggregate. Held rows and columns are left out. Blocks inside the chunk's own aggregate, by far the
-// most, are summed row by row and the rows pairwise; those that couple to others follow one by one.
+// aggregate. Held rows and columns are left out. Blocks inside the chunk's own aggregate, by far
+// the most, are summed row by row and the rows pairwise; those that couple to others follow one by
+// one.
 #pragma once
 
 #include "pcg.h"
@@ -67,8 +68,8 @@ CLOTH_FN int cloth_coarse_row(int row, const cloth_coarse_chunk_args *a, cloth_r
   return others;
 }
 
-/// The other blocks of a row, added to the slice: entries [first, last) of the nine of each block. A
-/// loop takes all, a thread of a GPU one.
+/// The other blocks of a row, added to the slice: entries [first, last) of the nine of each block.
+/// A loop takes all, a thread of a GPU one.
 CLOTH_FN void cloth_coarse_foreign(int row, const cloth_coarse_chunk_args *a, int first, int last,
                                    cloth_real *slice)
 {
@@ -105,7 +106,8 @@ CLOTH_FN void cloth_coarse_chunk(int i, const cloth_coarse_chunk_args *a)
     others[lane] = begin + lane < end && cloth_coarse_row(begin + lane, a, sum);
     for (int e = 0; e < 9; e++) own[e][lane] = sum[e];
   }
-  for (int e = 0; e < 9; e++) *cloth_coarse_at(a, slice, a->first + begin, e) = cloth_chunk_sum(own[e]);
+  for (int e = 0; e < 9; e++)
+    *cloth_coarse_at(a, slice, a->first + begin, e) = cloth_chunk_sum(own[e]);
   for (int lane = 0; lane < CLOTH_CHUNK; lane++)
     if (others[lane]) cloth_coarse_foreign(begin + lane, a, 0, 9, slice);
 }

@@ -1,5 +1,5 @@
-// Cholesky factor of the coarse matrix, in place, once a substep. One element: the matrix is small (up
-// to 288 rows).
+// Cholesky factor of the coarse matrix, in place, once a substep. One element: the matrix is small
+// (up to 288 rows).
 #pragma once
 
 #include "pcg.h"

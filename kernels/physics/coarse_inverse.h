@@ -6,7 +6,7 @@
 
 typedef struct cloth_coarse_inverse_args {
   int aggregates;
-  const cloth_real *factor;  // [n x n] coarse_factor.h, n = 3 aggregates
+  const cloth_real *factor; // [n x n] coarse_factor.h, n = 3 aggregates
   const cloth_real *usable; // [1]
   cloth_real *inverse;      // [n x n], written
 } cloth_coarse_inverse_args;

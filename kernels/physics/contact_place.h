@@ -1,5 +1,6 @@
 // Where corner e of a contact stands in the list of the rows' contacts: the inverse of the sorted
-// order, so that what a contact adds to its rows can be written where each row reads it in one piece.
+// order, so that what a contact adds to its rows can be written where each row reads it in one
+// piece.
 #pragma once
 
 #include "real.h"

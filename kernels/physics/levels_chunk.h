@@ -1,7 +1,8 @@
 // The solver's small levels: runs of 8 vertices and whole chunks that move together. Element i is a
-// chunk: the 3x3 sums of its rows' blocks over each run and over the chunk, inverted. Between single
-// vertices and the aggregates of the coarse level these carry what is stiff over short distances, and
-// they need nothing from beyond the chunk (additive multilevel: Bramble, Pasciak, Xu 1990).
+// chunk: the 3x3 sums of its rows' blocks over each run and over the chunk, inverted. Between
+// single vertices and the aggregates of the coarse level these carry what is stiff over short
+// distances, and they need nothing from beyond the chunk (additive multilevel: Bramble, Pasciak, Xu
+// 1990).
 #pragma once
 
 #include "coarse_chunk.h"

@@ -23,7 +23,7 @@ typedef struct cloth_pair_mesh {
   int triangles_only;           // 1: report (cloth triangle, body triangle) instead of features
   cloth_key_format format;
   cloth_flat_map flat; // what need not be looked at
-  uint64_t *key; // [capacity]
+  uint64_t *key;       // [capacity]
   uint32_t capacity;
   uint32_t *count; // [1] counts up, also past the capacity
 } cloth_pair_mesh;
@@ -73,9 +73,9 @@ CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
   return bits;
 }
 
-/// Which pairs of features of two triangles may touch: bits 0..2 corners of ta and tb's face, 3..5 the
-/// other way round, 6..14 edges; with triangles_only bit 0. ta is a cloth triangle; tb is another or
-/// one of a body.
+/// Which pairs of features of two triangles may touch: bits 0..2 corners of ta and tb's face, 3..5
+/// the other way round, 6..14 edges; with triangles_only bit 0. ta is a cloth triangle; tb is
+/// another or one of a body.
 CLOTH_FN uint32_t cloth_pair_bits(const cloth_pair_mesh *m, int ta, int tb)
 {
   if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return 0;
@@ -90,7 +90,8 @@ CLOTH_FN uint64_t cloth_pair_of_bit(const cloth_pair_mesh *m, int ta, int tb, in
 {
   if (m->triangles_only) return cloth_pair_pack(m->format, CLOTH_VERTEX_FACE, ta, tb);
   if (bit < 3) return cloth_pair_pack(m->format, CLOTH_VERTEX_FACE, m->triangle[3 * ta + bit], tb);
-  if (bit < 6) return cloth_pair_pack(m->format, CLOTH_VERTEX_FACE, m->triangle[3 * tb + bit - 3], ta);
+  if (bit < 6)
+    return cloth_pair_pack(m->format, CLOTH_VERTEX_FACE, m->triangle[3 * tb + bit - 3], ta);
   int ea = m->triangle_edge[3 * ta + (bit - 6) / 3], eb = m->triangle_edge[3 * tb + (bit - 6) % 3];
   return cloth_pair_pack(m->format, CLOTH_EDGE_EDGE, ea < eb ? ea : eb, ea < eb ? eb : ea);
 }

@@ -11,11 +11,11 @@
 enum {
   CLOTH_PCG_ALPHA,
   CLOTH_PCG_BETA,
-  CLOTH_PCG_RZ,        // r' z
-  CLOTH_PCG_RZ_FIRST,  // r' z of the substep's first solve at its start
-  CLOTH_PCG_RR,        // r' r
-  CLOTH_PCG_BB,        // b' b of the substep's first solve, over the free rows
-  CLOTH_PCG_DONE,      // 1: converged or broken down
+  CLOTH_PCG_RZ,       // r' z
+  CLOTH_PCG_RZ_FIRST, // r' z of the substep's first solve at its start
+  CLOTH_PCG_RR,       // r' r
+  CLOTH_PCG_BB,       // b' b of the substep's first solve, over the free rows
+  CLOTH_PCG_DONE,     // 1: converged or broken down
   CLOTH_PCG_ITERATIONS,
   CLOTH_PCG_RESIDUAL, // r'r of the true residual at the end
   CLOTH_PCG_LARGEST,  // m, largest correction of a vertex
@@ -30,14 +30,14 @@ typedef struct cloth_pcg_vectors {
   int first, count;                   // owned vertices; first is a multiple of CLOTH_CHUNK
   const cloth_real *free;             // [vertices] 1: row is solved, 0: held
   const cloth_real *inverse_diagonal; // [vertices x 6]
-  const cloth_real *run_inverse;      // [vertices / RUN x 6] levels_chunk.h; NULL: block Jacobi alone
-  const cloth_real *chunk_inverse;    // [chunks x 6]
-  const cloth_real *b;                // [vertices x 3]
-  cloth_real *dx, *r, *z, *p, *q;     // [vertices x 3]
-  cloth_real *partial;                // [chunks x CLOTH_PCG_PARTIALS] sums of chunks
-  const cloth_real *coarse;           // [aggregates x 3] correction of each aggregate; NULL: none
-  int aggregates, chunks;             // of all parts
-  cloth_real *scalar;                 // [CLOTH_PCG_SCALARS]
+  const cloth_real *run_inverse;   // [vertices / RUN x 6] levels_chunk.h; NULL: block Jacobi alone
+  const cloth_real *chunk_inverse; // [chunks x 6]
+  const cloth_real *b;             // [vertices x 3]
+  cloth_real *dx, *r, *z, *p, *q;  // [vertices x 3]
+  cloth_real *partial;             // [chunks x CLOTH_PCG_PARTIALS] sums of chunks
+  const cloth_real *coarse;        // [aggregates x 3] correction of each aggregate; NULL: none
+  int aggregates, chunks;          // of all parts
+  cloth_real *scalar;              // [CLOTH_PCG_SCALARS]
 } cloth_pcg_vectors;
 
 /// z of vertex k from r and the sums of r over its run and its chunk.
@@ -68,8 +68,8 @@ CLOTH_FN cloth_v3 cloth_pcg_chunk_sum(const cloth_pcg_chunk *c, int lane, int wi
 }
 
 /// z of a chunk and its partial sums, from r. Vertices [begin, end).
-CLOTH_FN void cloth_pcg_chunk_finish(const cloth_pcg_vectors *v, const cloth_pcg_chunk *c, int begin,
-                                     int end)
+CLOTH_FN void cloth_pcg_chunk_finish(const cloth_pcg_vectors *v, const cloth_pcg_chunk *c,
+                                     int begin, int end)
 {
   cloth_real rz[CLOTH_CHUNK], rr[CLOTH_CHUNK];
   cloth_v3 chunk = cloth_pcg_chunk_sum(c, 0, CLOTH_CHUNK), run = chunk;

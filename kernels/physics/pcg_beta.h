@@ -4,14 +4,14 @@
 #include "pcg.h"
 
 typedef struct cloth_pcg_beta_args {
-  int chunks;                // of all parts
-  int start;                 // 1: right after pcg_start
-  cloth_real tolerance;      // relative residual
-  int first;                 // 1: first Newton iteration of the substep
-  const cloth_real *partial; // [chunks x CLOTH_PCG_PARTIALS] r'z, r'r
-  int aggregates;            // of the coarse level; 0: none
+  int chunks;                      // of all parts
+  int start;                       // 1: right after pcg_start
+  cloth_real tolerance;            // relative residual
+  int first;                       // 1: first Newton iteration of the substep
+  const cloth_real *partial;       // [chunks x CLOTH_PCG_PARTIALS] r'z, r'r
+  int aggregates;                  // of the coarse level; 0: none
   const cloth_real *rest, *coarse; // [3 aggregates] N, m
-  cloth_real *scalar;        // [CLOTH_PCG_SCALARS]
+  cloth_real *scalar;              // [CLOTH_PCG_SCALARS]
 } cloth_pcg_beta_args;
 
 /// The scalars from the sums r'z (both levels) and r'r.

@@ -4,14 +4,14 @@
 #include "pcg.h"
 
 typedef struct cloth_pcg_product_args {
-  cloth_block_rows rows;            // of this part
-  int first, count;                 // owned vertices
-  const uint32_t *contact_first;    // [rows + 1]; NULL: no contacts
-  const cloth_real *contact_q;      // [entries x 3] by row: contact_product.h
-  const cloth_real *x;              // [vertices x 3]
-  cloth_real *q;                    // [vertices x 3], written
-  cloth_real *partial;              // [chunks x CLOTH_PCG_PARTIALS], field 0 written
-  const cloth_real *done;           // [1] above 0: nothing is left to do; NULL: always multiply
+  cloth_block_rows rows;         // of this part
+  int first, count;              // owned vertices
+  const uint32_t *contact_first; // [rows + 1]; NULL: no contacts
+  const cloth_real *contact_q;   // [entries x 3] by row: contact_product.h
+  const cloth_real *x;           // [vertices x 3]
+  cloth_real *q;                 // [vertices x 3], written
+  cloth_real *partial;           // [chunks x CLOTH_PCG_PARTIALS], field 0 written
+  const cloth_real *done;        // [1] above 0: nothing is left to do; NULL: always multiply
 } cloth_pcg_product_args;
 
 /// Row `row` of q from its mesh part: contacts are added, q is stored. Returns its share of x'q.

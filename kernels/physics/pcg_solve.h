@@ -1,5 +1,5 @@
-// One whole solve on one part, for a backend that runs it without coming back to the host after each
-// launch (backend.h, solve). The steps and their order are those of src/solve/pcg.c.
+// One whole solve on one part, for a backend that runs it without coming back to the host after
+// each launch (backend.h, solve). The steps and their order are those of src/solve/pcg.c.
 #pragma once
 
 #include "coarse_rest.h"

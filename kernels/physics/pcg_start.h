@@ -1,4 +1,5 @@
-// dx = p = 0, r = b on free rows, z = B r with the preconditioner's levels inside the chunk; partial r'z, r'r and r of chunk i.
+// dx = p = 0, r = b on free rows, z = B r with the preconditioner's levels inside the chunk;
+// partial r'z, r'r and r of chunk i.
 #pragma once
 
 #include "pcg.h"

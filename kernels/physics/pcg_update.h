@@ -1,4 +1,5 @@
-// dx += alpha p, r -= alpha q on free rows, z = B r with the preconditioner's levels inside the chunk; partial r'z, r'r and r of chunk i.
+// dx += alpha p, r -= alpha q on free rows, z = B r with the preconditioner's levels inside the
+// chunk; partial r'z, r'r and r of chunk i.
 #pragma once
 
 #include "pcg.h"

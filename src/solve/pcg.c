@@ -240,7 +240,8 @@ static cloth_status read_scalars(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCA
                             sizeof(cloth_real) * CLOTH_PCG_SCALARS, err);
 }
 
-// Launch by launch. The host looks at the flag after batches; iterations past the end change nothing.
+// Launch by launch. The host looks at the flag after batches; iterations past the end change
+// nothing.
 static cloth_status iterate_all(cloth_sim *sim, cloth_error *err)
 {
   int most = sim->params.pcg_iterations_max, batch = sim->backend->run_ahead;

@@ -271,9 +271,11 @@ static cloth_status build_auto(const cloth_def *def, cloth_sim **out, cloth_erro
   cloth_status status = cuda->open(def->device[0], 0, &probe, &refused);
   cuda->close(probe);
   if (status == CLOTH_OK) status = build(def, cuda, "a GPU is there", out, &refused);
-  bool device = status == CLOTH_UNSUPPORTED || status == CLOTH_NO_MEMORY || status == CLOTH_DEVICE_LOST;
+  bool device =
+      status == CLOTH_UNSUPPORTED || status == CLOTH_NO_MEMORY || status == CLOTH_DEVICE_LOST;
   if (device) return build(def, cloth_backend_cpu(), refused.text, out, err);
-  if (status != CLOTH_OK) return cloth_fail(err, status, refused.file, refused.line, "%s", refused.text);
+  if (status != CLOTH_OK)
+    return cloth_fail(err, status, refused.file, refused.line, "%s", refused.text);
   return CLOTH_OK;
 }
 

@@ -1,6 +1,6 @@
-// The CUDA backend against the CPU: sort, scan, copies and events by themselves; then whole steps, after
-// which every buffer of the scene, the output of every kernel among them, holds the same bits. Only
-// lists that threads append to are compared as sets. Skipped where there is no GPU.
+// The CUDA backend against the CPU: sort, scan, copies and events by themselves; then whole steps,
+// after which every buffer of the scene, the output of every kernel among them, holds the same
+// bits. Only lists that threads append to are compared as sets. Skipped where there is no GPU.
 #include "solve/sim.h"
 
 enum { MOST = 300000 };
@@ -39,10 +39,13 @@ static int sort_gives_what_the_cpu_gives(void)
     }
     must(cuda->write(d, dk, key, sizeof *key * (size_t)n, &err), &err);
     must(cuda->write(d, dv, value, sizeof *value * (size_t)n, &err), &err);
-    must(cuda->sort(d, n, b, dk, with_values ? dv : NULL, dks, with_values ? dvs : NULL, &err), &err);
+    must(cuda->sort(d, n, b, dk, with_values ? dv : NULL, dks, with_values ? dvs : NULL, &err),
+         &err);
     must(cuda->read(d, key_back, dk, sizeof *key * (size_t)n, &err), &err);
     must(cuda->read(d, value_back, dv, sizeof *value * (size_t)n, &err), &err);
-    must(cpu->sort(host, n, b, key, with_values ? value : NULL, key_spare, with_values ? value_spare : NULL, &err), &err);
+    must(cpu->sort(host, n, b, key, with_values ? value : NULL, key_spare,
+                   with_values ? value_spare : NULL, &err),
+         &err);
     CHECK(memcmp(key, key_back, sizeof *key * (size_t)n) == 0);
     CHECK(memcmp(value, value_back, sizeof *value * (size_t)n) == 0);
   }
@@ -145,12 +148,21 @@ static cloth_def *def_of(const char *backend, const char *preconditioner)
 // what is only work space, or a list in the order in which threads came
 static bool is_compared(const char *name)
 {
-  static const char *const not[] = {"row_first", "row_col", "row_val", // laid out otherwise
-                                    "pair", "large", "contact_spare", "cell_key_spare",
-                                    "cell_triangle_spare", "contact_row_spare", "contact_entry_spare",
-                                    "impact_key", "impact_toi", "contact_toi_spare"};
-  for (size_t i = 0; i < sizeof not / sizeof *not; i++)
-    if (strcmp(name, not[i]) == 0) return false;
+  static const char *const not [] = {"row_first",
+                                     "row_col",
+                                     "row_val", // laid out otherwise
+                                     "pair",
+                                     "large",
+                                     "contact_spare",
+                                     "cell_key_spare",
+                                     "cell_triangle_spare",
+                                     "contact_row_spare",
+                                     "contact_entry_spare",
+                                     "impact_key",
+                                     "impact_toi",
+                                     "contact_toi_spare"};
+  for (size_t i = 0; i < sizeof not / sizeof *not ; i++)
+    if (strcmp(name, not [i]) == 0) return false;
   return true;
 }
 
@@ -189,7 +201,8 @@ static int same_blocks(const cloth_sim *a, const cloth_sim *b, int step)
     size_t at = 0;
     while (!same && copy[at] == ((const unsigned char *)host->data)[at]) at++;
     free(copy);
-    if (!same) printf("  step %d: %s differs at byte %zu of %zu\n", step, host->name, at, host->bytes);
+    if (!same)
+      printf("  step %d: %s differs at byte %zu of %zu\n", step, host->name, at, host->bytes);
     CHECK(same);
   }
   return same_pairs(a, b);
@@ -218,7 +231,8 @@ static int every_buffer_of_a_step_holds_the_bits_of_the_cpu(void)
   return steps_alike("two_level") || steps_alike("block_jacobi") || steps_alike("multilevel");
 }
 
-// 1 s of a calm scene in float against the CPU in double (PRECISION double: the same bits, see above)
+// 1 s of a calm scene in float against the CPU in double (PRECISION double: the same bits, see
+// above)
 static int a_calm_second_stays_near_the_cpu_in_double(void)
 {
   static sheet towel;

@@ -1,6 +1,6 @@
 // How fast can q = A x be? Block rows like those of a cloth (13 blocks of 3x3 floats a row) in the
-// engine's layout with 8 and with 32 rows in a group, beside cuSPARSE's BSR, against the bandwidth of
-// a copy measured in the same run. Prints a CSV table; every result is checked against a loop in
+// engine's layout with 8 and with 32 rows in a group, beside cuSPARSE's BSR, against the bandwidth
+// of a copy measured in the same run. Prints a CSV table; every result is checked against a loop in
 // double on the host.
 //
 //   spmv [ROWS]
@@ -8,10 +8,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <vector>
-
 #include <cuda_runtime.h>
 #include <cusparse.h>
+#include <vector>
 
 namespace {
 
@@ -59,9 +58,12 @@ matrix make(int n)
   int w = (int)std::sqrt((double)n);
   int offset[WIDTH] = {0, 1, -1, w, -w, w + 1, -w - 1, 2, -2, 2 * w, -2 * w, w + 2, -w - 2};
   unsigned seed = 1;
-  auto roll = [&] { return (float)((seed = seed * 1664525u + 1013904223u) >> 8) / (1 << 24) - 0.5f; };
+  auto roll = [&] {
+    return (float)((seed = seed * 1664525u + 1013904223u) >> 8) / (1 << 24) - 0.5f;
+  };
   for (int i = 0; i < n; i++)
-    for (int s = 0; s < WIDTH; s++) m.col[(size_t)i * WIDTH + s] = std::clamp(i + offset[s], 0, n - 1);
+    for (int s = 0; s < WIDTH; s++)
+      m.col[(size_t)i * WIDTH + s] = std::clamp(i + offset[s], 0, n - 1);
   for (float &v : m.val) v = roll();
   for (float &v : m.x) v = roll();
   return m;
@@ -137,14 +139,16 @@ template <int Group> void ours(const matrix &m, double copy)
   float *dval = upload(val), *dx = upload(m.x), *dq = upload(std::vector<float>(m.x.size(), NAN));
   char name[64];
   auto run = [&](auto kernel, int unroll) {
-    double us = median_us([&] { kernel<<<(m.n + 63) / 64, 64>>>(m.n, dfirst, dcol, dval, dx, dq); });
+    double us =
+        median_us([&] { kernel<<<(m.n + 63) / 64, 64>>>(m.n, dfirst, dcol, dval, dx, dq); });
     std::snprintf(name, sizeof name, "groups of %d rows unrolled %d", Group, unroll);
     print(name, m.n, us, copy, worst_error(m, dq));
   };
   run(rows_kernel<Group, 1>, 1);
   run(rows_kernel<Group, 2>, 2);
   run(rows_kernel<Group, 4>, 4);
-  for (void *p : {(void *)dfirst, (void *)dcol, (void *)dval, (void *)dx, (void *)dq}) CHECK(cudaFree(p));
+  for (void *p : {(void *)dfirst, (void *)dcol, (void *)dval, (void *)dx, (void *)dq})
+    CHECK(cudaFree(p));
 }
 
 void bsr(const matrix &m, double copy)
@@ -161,12 +165,14 @@ void bsr(const matrix &m, double copy)
   size_t bytes = 0;
   void *work = nullptr;
   CHECK(cusparseCreate(&handle));
-  CHECK(cusparseCreateConstBsr(&a, m.n, m.n, (int64_t)m.n * WIDTH, 3, 3, dfirst, dcol, dval, CUSPARSE_INDEX_32I,
-                               CUSPARSE_INDEX_32I, CUSPARSE_INDEX_BASE_ZERO, CUDA_R_32F, CUSPARSE_ORDER_ROW));
+  CHECK(cusparseCreateConstBsr(&a, m.n, m.n, (int64_t)m.n * WIDTH, 3, 3, dfirst, dcol, dval,
+                               CUSPARSE_INDEX_32I, CUSPARSE_INDEX_32I, CUSPARSE_INDEX_BASE_ZERO,
+                               CUDA_R_32F, CUSPARSE_ORDER_ROW));
   CHECK(cusparseCreateConstDnVec(&x, 3 * (int64_t)m.n, dx, CUDA_R_32F));
   CHECK(cusparseCreateDnVec(&q, 3 * (int64_t)m.n, dq, CUDA_R_32F));
-  cusparseStatus_t s = cusparseSpMV_bufferSize(handle, CUSPARSE_OPERATION_NON_TRANSPOSE, &one, a, x, &zero, q,
-                                               CUDA_R_32F, CUSPARSE_SPMV_ALG_DEFAULT, &bytes);
+  cusparseStatus_t s =
+      cusparseSpMV_bufferSize(handle, CUSPARSE_OPERATION_NON_TRANSPOSE, &one, a, x, &zero, q,
+                              CUDA_R_32F, CUSPARSE_SPMV_ALG_DEFAULT, &bytes);
   if (s != CUSPARSE_STATUS_SUCCESS) {
     std::printf("cuSPARSE BSR,%d,refused: %s\n", m.n, cusparseGetErrorString(s));
     return;
@@ -177,7 +183,8 @@ void bsr(const matrix &m, double copy)
                        CUSPARSE_SPMV_ALG_DEFAULT, work));
   });
   print("cuSPARSE BSR", m.n, us, copy, worst_error(m, dq));
-  for (void *p : {(void *)dfirst, (void *)dcol, (void *)dval, (void *)dx, (void *)dq, work}) CHECK(cudaFree(p));
+  for (void *p : {(void *)dfirst, (void *)dcol, (void *)dval, (void *)dx, (void *)dq, work})
+    CHECK(cudaFree(p));
 }
 
 double copy_rate()

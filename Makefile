@@ -12,7 +12,7 @@ CMAKE_OPTIONS ?=
 GENERATOR := $(if $(wildcard $(BUILD)/CMakeCache.txt),,$(if $(shell command -v ninja),-G Ninja))
 SANITIZE_GENERATOR := $(if $(wildcard $(BUILD)/sanitize/CMakeCache.txt),,$(if $(shell command -v ninja),-G Ninja))
 
-.PHONY: help demo picture test bench install-packages build build-tests build-sanitize clean
+.PHONY: help demo picture test test-gpu bench install-packages build build-tests build-sanitize clean
 
 help:             ## this list
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 26
@@ -25,6 +25,9 @@ picture: build    ## render the demo in RViz without a display: $(BUILD)/picture
 
 test: build-tests build-sanitize ## build and run every test; closes with "N passed, N failed"
 	$(PYTHON) test/run_tests.py $(BUILD) $(BUILD)/sanitize
+
+test-gpu: build  ## what needs a GPU: its tests against the CPU, compute-sanitizer, large scenes
+	test/gpu.sh $(BUILD)
 
 bench: build      ## median and spread per stage on the demo's scenes
 	test/bench/run.sh $(BUILD)

@@ -26,8 +26,12 @@ typedef enum cloth_queue { CLOTH_COMPUTE, CLOTH_COPY, CLOTH_QUEUE_COUNT } cloth_
 typedef struct cloth_device cloth_device; // private to the backend
 typedef struct cloth_event cloth_event;   // private to the backend
 
+struct cloth_pcg_solve_args; // pcg_solve.h
+
 typedef struct cloth_backend {
-  const char *name; // "cpu", "shuffle"
+  const char *name; // "cpu", "cuda", "shuffle"
+  int row_group;    // rows that share a width, as the kernels were compiled: block_rows.h
+  int run_ahead;    // solver iterations to queue before the host asks whether it is done
 
   int (*device_count)(void);
   cloth_status (*open)(int index, int threads, cloth_device **out, cloth_error *err);
@@ -42,6 +46,10 @@ typedef struct cloth_backend {
   cloth_status (*copy)(cloth_device *from, cloth_device *to, void *dst, const void *src, size_t bytes,
                        cloth_error *err);
   cloth_status (*fill)(cloth_device *device, void *dst, int byte, size_t bytes, cloth_error *err);
+
+  // NULL where there is no better way than launch by launch. A whole linear solve of one part on
+  // COMPUTE: same steps, same bits.
+  cloth_status (*solve)(cloth_device *device, const struct cloth_pcg_solve_args *args, cloth_error *err);
 
   // Run kernel `k` for i in [0, n) on COMPUTE. args is copied before the call returns.
   cloth_status (*launch)(cloth_device *device, cloth_kernel k, int n, const void *args, cloth_error *err);
@@ -60,12 +68,18 @@ typedef struct cloth_backend {
   cloth_status (*record)(cloth_device *device, cloth_queue queue, cloth_event *event, cloth_error *err);
   cloth_status (*wait)(cloth_device *device, cloth_queue queue, const cloth_event *event, cloth_error *err);
 
+  // Time from one event to the other, both recorded on COMPUTE; blocks until the second has passed.
+  cloth_status (*elapsed)(const cloth_event *from, const cloth_event *to, double *ms, cloth_error *err);
+
   // Block until both queues are empty.
   cloth_status (*finish)(cloth_device *device, cloth_error *err);
 } cloth_backend;
 
 /// The plain CPU: every call runs at once, element loops in parallel with OpenMP.
 const cloth_backend *cloth_backend_cpu(void);
+
+/// NVIDIA GPUs; NULL in a build without CUDA. device_count() is 0 without a driver or a device.
+const cloth_backend *cloth_backend_cuda(void);
 
 /// The CPU again, but each finish() runs queued work in a random order that the events allow.
 /// A missing wait() is a wrong answer here, on a laptop, instead of a rare one on eight GPUs.

@@ -99,6 +99,16 @@ cloth_status cloth_state_hash(cloth_scene *s, uint64_t *out, cloth_error *err)
 {
   return CALL(s, hash, out, err);
 }
+const char *cloth_backend_of(const cloth_scene *scene)
+{
+  return scene->engine->backend(scene->sim);
+}
+
+const char *cloth_backend_why(const cloth_scene *scene)
+{
+  return scene->engine->backend_why(scene->sim);
+}
+
 double cloth_time(const cloth_scene *s) { return s->engine->time(s->sim); }
 
 // ---- what is in it ------------------------------------------------------------------------------

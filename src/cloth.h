@@ -94,7 +94,7 @@ void cloth_def_free(cloth_def *def);
 cloth_params *cloth_def_params(cloth_def *def);
 
 /// Set one setting from text, as a command line or a ROS parameter would: any name of params.inl, or
-/// "backend" (auto, cpu, shuffle), "precision" (float, double), "devices" ("cpu,cpu,cpu": one part
+/// "backend" (auto, cpu, cuda, shuffle), "precision" (float, double), "devices" ("cpu,cpu,cpu": one part
 /// each), "effects.NAME" (auto, on, off). A vector is "0 0 -9.81". Unknown names are refused and the
 /// nearest match is named. CLOTH_BAD_ARGUMENT; nothing changed on failure.
 cloth_status cloth_def_set(cloth_def *def, const char *name, const char *value, cloth_error *err);
@@ -116,6 +116,11 @@ cloth_status cloth_scene_new(const cloth_def *def, cloth_scene **out, cloth_erro
 
 /// NULL is allowed.
 void cloth_scene_free(cloth_scene *scene);
+
+/// The backend that runs the scene ("cpu", "cuda", "shuffle") and why, e.g. "asked for", or what kept
+/// `auto` from the GPU. Borrowed.
+const char *cloth_backend_of(const cloth_scene *scene);
+const char *cloth_backend_why(const cloth_scene *scene);
 
 /// Advance by one step.
 ///

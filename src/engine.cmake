@@ -8,6 +8,9 @@ file(GLOB CLOTH_ENGINE_SOURCES CONFIGURE_DEPENDS src/engine/*.c src/state/*.c sr
      src/contact/*.c src/solve/*.c src/ccd/*.c kernels/cpu/*.c)
 list(REMOVE_ITEM CLOTH_HOST_SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/src/step.c)
 list(APPEND CLOTH_ENGINE_SOURCES src/step.c)
+if(NOT CLOTH_CUDA_FOUND)
+  list(APPEND CLOTH_ENGINE_SOURCES kernels/cuda/none.c)
+endif()
 # small host files that the engine calls; hidden inside each engine library
 set(CLOTH_SHARED_SOURCES src/status.c src/report.c src/scene/motion.c src/links/links.c)
 
@@ -24,16 +27,22 @@ if(CLOTH_SANITIZE)
   set(CLOTH_SANITIZE_FLAGS -fsanitize=${CLOTH_SANITIZE} -fno-omit-frame-pointer -g
       -fno-sanitize-recover=all)
 endif()
-set(CLOTH_INCLUDES
-    ${CMAKE_CURRENT_SOURCE_DIR}/src ${CMAKE_CURRENT_SOURCE_DIR}/kernels
-    ${CMAKE_CURRENT_SOURCE_DIR}/kernels/physics ${CMAKE_CURRENT_SOURCE_DIR}/kernels/cpu)
-
 function(cloth_c_target target)
   target_include_directories(${target} PRIVATE ${CLOTH_INCLUDES})
   target_compile_options(${target} PRIVATE ${CLOTH_WARNINGS} ${CLOTH_C_FLAGS} ${CLOTH_SANITIZE_FLAGS})
   get_target_property(type ${target} TYPE)
   if(NOT type STREQUAL "OBJECT_LIBRARY")
     target_link_options(${target} PRIVATE ${CLOTH_SANITIZE_FLAGS})
+  endif()
+endfunction()
+
+# the backend's objects and what they need, into a library or program that holds an engine
+function(cloth_link_cuda target precision)
+  if(CLOTH_CUDA_FOUND)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:cloth_cuda_common> $<TARGET_OBJECTS:cloth_cuda_${precision}>)
+    target_link_libraries(${target} PRIVATE ${CLOTH_CUDART} Threads::Threads ${CMAKE_DL_LIBS} rt stdc++)
+    target_link_options(${target} PRIVATE LINKER:--exclude-libs,ALL)
+    set_target_properties(${target} PROPERTIES LINKER_LANGUAGE C)
   endif()
 endfunction()
 
@@ -47,6 +56,7 @@ foreach(precision f32 f64)
   cloth_c_target(cloth_${precision})
   set_target_properties(cloth_${precision} PROPERTIES C_VISIBILITY_PRESET hidden)
   target_link_libraries(cloth_${precision} PRIVATE OpenMP::OpenMP_C m)
+  cloth_link_cuda(cloth_${precision} ${precision})
 endforeach()
 target_compile_definitions(cloth_engine_f32 PRIVATE CLOTH_SINGLE_PRECISION)
 

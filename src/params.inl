@@ -29,8 +29,10 @@ CLOTH_PARAM(int, newton_iterations_max, 3, "1", 1, 100, "linear systems per subs
 CLOTH_PARAM(double, newton_tolerance, 0.1, "1", 1e-12, 1, "stop when the largest correction is below this share of the contact thickness")
 CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solver at this relative residual")
 CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
-CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level", "3x3 block Jacobi (P-Cloth), or with a coarse level for pulls along the whole cloth")
+CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level|multilevel", "3x3 block Jacobi (P-Cloth), with a coarse level for pulls along the whole cloth, with levels between (pays above 20,000 vertices)")
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
+
+CLOTH_PARAM(int, profile, 0, "1", 0, 1, "1: the times of stages are a GPU's own, which makes the host wait after each")
 
 // world
 CLOTH_VECTOR(gravity, 0, 0, -9.81, "m/s^2", 1e3, "acceleration of free fall, scene frame")

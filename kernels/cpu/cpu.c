@@ -111,6 +111,8 @@ const cloth_backend *cloth_backend_cpu(void)
 {
   static const cloth_backend backend = {
       .name = "cpu",
+      .row_group = CLOTH_ROW_GROUP,
+      .run_ahead = 1,
       .device_count = device_count,
       .open = open_device,
       .close = close_device,

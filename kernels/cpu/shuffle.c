@@ -221,6 +221,8 @@ const cloth_backend *cloth_backend_shuffle(unsigned seed)
 {
   static const cloth_backend backend = {
       .name = "shuffle",
+      .row_group = CLOTH_ROW_GROUP,
+      .run_ahead = 3,
       .device_count = device_count,
       .open = open_device,
       .close = close_device,

@@ -1,7 +1,9 @@
-# CUDA, where nvcc is found: every physics kernel is compiled for the GPU in both precisions, so that a
-# header that is C only is found today. The backend itself comes later.
-# Options: CMAKE_CUDA_ARCHITECTURES (default 75;90), CMAKE_CUDA_COMPILER.
-if(CLOTH_SANITIZE) # nvcc's host code is not instrumented
+# The CUDA backend, where nvcc is found: one object library for both precisions (memory, sort) and one
+# for each (kernels), linked into libcloth_f32 and libcloth_f64 and hidden there. Without nvcc none.c
+# says that there is none.
+# Options: CMAKE_CUDA_ARCHITECTURES (default 75;80;86;89;90 and PTX of the last), CMAKE_CUDA_COMPILER.
+set(CLOTH_CUDA_FOUND FALSE)
+if(NOT CLOTH_CUDA OR CLOTH_SANITIZE) # nvcc's host code is not instrumented
   return()
 endif()
 if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
@@ -11,26 +13,36 @@ if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
   endif()
 endif()
 if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
-  set(CMAKE_CUDA_ARCHITECTURES 75 90)
+  set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90)
 endif()
 include(CheckLanguage)
 check_language(CUDA)
 if(NOT CMAKE_CUDA_COMPILER)
+  if(CLOTH_CUDA STREQUAL "ON")
+    message(FATAL_ERROR "CLOTH_CUDA is ON, but no working nvcc was found")
+  endif()
   message(STATUS "CUDA: not found, skipped")
   return()
 endif()
 enable_language(CUDA)
 message(STATUS "CUDA: ${CMAKE_CUDA_COMPILER} ${CMAKE_CUDA_COMPILER_VERSION}, architectures ${CMAKE_CUDA_ARCHITECTURES}")
+set(CLOTH_CUDA_FOUND TRUE)
+find_package(Threads REQUIRED)
+find_library(CLOTH_CUDART cudart_static HINTS ${CMAKE_CUDA_IMPLICIT_LINK_DIRECTORIES} REQUIRED)
 
+# no fused multiply-add: the bits of the CPU
+function(cloth_cuda_library target)
+  add_library(${target} OBJECT ${ARGN})
+  target_include_directories(${target} PRIVATE ${CLOTH_INCLUDES} ${CMAKE_CURRENT_SOURCE_DIR}/kernels/cuda)
+  target_compile_options(${target} PRIVATE --fmad=false -Xcompiler=-ffp-contract=off)
+  set_target_properties(${target} PROPERTIES CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON
+                        CUDA_VISIBILITY_PRESET hidden POSITION_INDEPENDENT_CODE ON)
+endfunction()
+
+set(CLOTH_CUDA_DIR ${CMAKE_CURRENT_LIST_DIR})
+cloth_cuda_library(cloth_cuda_common ${CLOTH_CUDA_DIR}/device.cu ${CLOTH_CUDA_DIR}/sort_scan.cu)
 foreach(precision f32 f64)
-  add_library(cloth_cuda_physics_${precision} OBJECT ${CMAKE_CURRENT_LIST_DIR}/physics_check.cu)
-  target_include_directories(cloth_cuda_physics_${precision} PRIVATE ${CLOTH_INCLUDES})
-  set_target_properties(cloth_cuda_physics_${precision} PROPERTIES CUDA_STANDARD 17 CUDA_STANDARD_REQUIRED ON)
+  cloth_cuda_library(cloth_cuda_${precision} ${CLOTH_CUDA_DIR}/launch.cu ${CLOTH_CUDA_DIR}/blocks.cu
+                     ${CLOTH_CUDA_DIR}/assemble.cu ${CLOTH_CUDA_DIR}/elements.cu ${CLOTH_CUDA_DIR}/pairs.cu ${CLOTH_CUDA_DIR}/solve.cu)
 endforeach()
-target_compile_definitions(cloth_cuda_physics_f32 PRIVATE CLOTH_SINGLE_PRECISION)
-
-add_executable(cloth_cuda_physics_check ${CMAKE_CURRENT_LIST_DIR}/physics_check_main.cpp
-               $<TARGET_OBJECTS:cloth_cuda_physics_f32> $<TARGET_OBJECTS:cloth_cuda_physics_f64>)
-target_include_directories(cloth_cuda_physics_check PRIVATE ${CLOTH_INCLUDES})
-target_include_directories(cloth_cuda_physics_check SYSTEM PRIVATE ${CMAKE_CUDA_TOOLKIT_INCLUDE_DIRECTORIES})
-set_target_properties(cloth_cuda_physics_check PROPERTIES LINKER_LANGUAGE CUDA)
+target_compile_definitions(cloth_cuda_f32 PRIVATE CLOTH_SINGLE_PRECISION)

@@ -14,6 +14,22 @@ CLOTH_FN uint32_t cloth_atomic_add(uint32_t *p, uint32_t n)
 #endif
 }
 
+/// Add 1 to *p; the value before. On a GPU the threads of a warp that are here together ask once.
+CLOTH_FN uint32_t cloth_atomic_next(uint32_t *p)
+{
+#ifdef __CUDA_ARCH__
+  unsigned here = __activemask(), lane;
+  asm("mov.u32 %0, %%laneid;" : "=r"(lane));
+  int leader = __ffs((int)here) - 1;
+  uint32_t first = 0;
+  if ((int)lane == leader) first = atomicAdd(p, (uint32_t)__popc(here));
+  first = __shfl_sync(here, first, leader);
+  return first + (uint32_t)__popc(here & ((1u << lane) - 1));
+#else
+  return cloth_atomic_add(p, 1);
+#endif
+}
+
 /// Lower *p to v if v is smaller.
 CLOTH_FN void cloth_atomic_min(uint32_t *p, uint32_t v)
 {

@@ -36,7 +36,7 @@ CLOTH_FN void cloth_cell_count(int i, const cloth_cell_count_args *a)
     if (!cloth_box_near(box, cloth, 2 * a->gap)) {
       n = 0;
     } else if (n > CLOTH_CELLS_MAX) {
-      a->large[cloth_atomic_add(a->large_count, 1)] = (uint32_t)t;
+      a->large[cloth_atomic_next(a->large_count)] = (uint32_t)t;
       n = 0;
     }
   }

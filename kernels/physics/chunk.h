@@ -12,3 +12,18 @@ CLOTH_FN int cloth_chunk_end(int first, int count, int chunk)
   int end = (chunk + 1) * CLOTH_CHUNK;
   return first + (end < count ? end : count);
 }
+
+/// The larger of two; NaN if either is.
+CLOTH_FN cloth_real cloth_larger(cloth_real a, cloth_real b) { return !(b <= a) && a == a ? b : a; }
+
+/// Pairwise sum of `width` numbers, a power of two: the tree that the threads of a GPU block walk
+/// too, so that both give the same bits. v is overwritten.
+CLOTH_FN cloth_real cloth_lanes_sum(cloth_real *v, int width)
+{
+  for (width /= 2; width > 0; width /= 2)
+    for (int k = 0; k < width; k++) v[k] += v[k + width];
+  return v[0];
+}
+
+/// Sum of a chunk's numbers; what lies behind the end of the chunk is zero.
+CLOTH_FN cloth_real cloth_chunk_sum(cloth_real *v) { return cloth_lanes_sum(v, CLOTH_CHUNK); }

@@ -24,27 +24,36 @@ typedef struct cloth_commit_chunk_args {
                    // velocities [m/s]
 } cloth_commit_chunk_args;
 
+/// Vertex k: its velocity, and what it adds to each field.
+CLOTH_FN void cloth_commit_vertex(int k, const cloth_commit_chunk_args *a, cloth_real *field)
+{
+  cloth_v3 x = cloth_v3_load(a->x, k);
+  cloth_v3 v = cloth_v3_scale(a->inverse_step, cloth_v3_sub(x, cloth_v3_load(a->x_t0, k)));
+  cloth_real far = cloth_fabs(x.x);
+  if (!(cloth_fabs(x.y) <= far)) far = cloth_fabs(x.y);
+  if (!(cloth_fabs(x.z) <= far) && far == far) far = cloth_fabs(x.z);
+  cloth_real v_sq = cloth_v3_dot(v, v);
+  field[CLOTH_COMMIT_WORST] = far;
+  field[CLOTH_COMMIT_SPEED] = v_sq;
+  field[CLOTH_COMMIT_ENERGY] = a->mass[k] * v_sq / 2;
+  cloth_v3_store(field + CLOTH_COMMIT_VELOCITY, 0, v);
+  cloth_v3_store(a->v_next, k, v);
+}
+
 CLOTH_FN void cloth_commit_chunk(int i, const cloth_commit_chunk_args *a)
 {
-  cloth_real worst = 0, speed = 0, energy = 0;
-  cloth_v3 sum = cloth_v3_make(0, 0, 0);
+  cloth_real worst = 0, speed = 0, term[4][CLOTH_CHUNK];
   int begin = a->first + i * CLOTH_CHUNK, end = cloth_chunk_end(a->first, a->count, i);
-  for (int k = begin; k < end; k++) {
-    cloth_v3 x = cloth_v3_load(a->x, k);
-    cloth_v3 v = cloth_v3_scale(a->inverse_step, cloth_v3_sub(x, cloth_v3_load(a->x_t0, k)));
-    cloth_real far = cloth_fabs(x.x);
-    if (!(cloth_fabs(x.y) <= far)) far = cloth_fabs(x.y);
-    if (!(cloth_fabs(x.z) <= far)) far = cloth_fabs(x.z);
-    if (!(far <= worst) && worst == worst) worst = far; // the first NaN stays
-    cloth_real v_sq = cloth_v3_dot(v, v);
-    if (!(v_sq <= speed)) speed = v_sq;
-    energy += a->mass[k] * v_sq / 2;
-    sum = cloth_v3_add(sum, v);
-    cloth_v3_store(a->v_next, k, v);
+  for (int lane = 0; lane < CLOTH_CHUNK; lane++) {
+    cloth_real field[CLOTH_COMMIT_FIELDS];
+    for (int f = 0; f < CLOTH_COMMIT_FIELDS; f++) field[f] = 0;
+    if (begin + lane < end) cloth_commit_vertex(begin + lane, a, field);
+    worst = cloth_larger(worst, field[CLOTH_COMMIT_WORST]);
+    speed = cloth_larger(speed, field[CLOTH_COMMIT_SPEED]);
+    for (int f = 0; f < 4; f++) term[f][lane] = field[CLOTH_COMMIT_ENERGY + f];
   }
   cloth_real *out = a->out + CLOTH_COMMIT_FIELDS * (a->first / CLOTH_CHUNK + i);
   out[CLOTH_COMMIT_WORST] = worst;
   out[CLOTH_COMMIT_SPEED] = cloth_sqrt(speed);
-  out[CLOTH_COMMIT_ENERGY] = energy;
-  cloth_v3_store(out + CLOTH_COMMIT_VELOCITY, 0, sum);
+  for (int f = 0; f < 4; f++) out[CLOTH_COMMIT_ENERGY + f] = cloth_chunk_sum(term[f]);
 }

@@ -76,6 +76,6 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
     if (!cloth_contact_comes_out(s, &g)) return;
     key = cloth_pair_pack(s->format, CLOTH_PULL_FRONT, pair.a, pair.b);
   }
-  uint32_t at = cloth_atomic_add(a->count, 1);
+  uint32_t at = cloth_atomic_next(a->count);
   if (at < a->capacity) a->contact[at] = key;
 }

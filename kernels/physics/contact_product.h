@@ -1,5 +1,5 @@
 // The contact part of A p, kept in factors instead of 16 blocks: q = tangent * sum w_b p_b, and row
-// a adds weight_a q.
+// a adds weight_a q. That is written where the row will read it.
 #pragma once
 
 #include "real.h"
@@ -10,7 +10,8 @@ typedef struct cloth_contact_product_args {
   const cloth_real *weight;  // [n x 4]
   const cloth_real *tangent; // [n x 6] N/m
   const cloth_real *p;       // [cloth vertices x 3]
-  cloth_real *q;             // [n x 3], written
+  const uint32_t *place;     // [n x 4] contact_place.h
+  cloth_real *q;             // [n x 4 x 3] by place, written
 } cloth_contact_product_args;
 
 CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
@@ -21,5 +22,7 @@ CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
     if (v < a->cloth_vertices)
       u = cloth_v3_add_scaled(u, a->weight[4 * i + c], cloth_v3_load(a->p, v));
   }
-  cloth_v3_store(a->q, i, cloth_sym3_mul(cloth_sym3_load(a->tangent, i), u));
+  u = cloth_sym3_mul(cloth_sym3_load(a->tangent, i), u);
+  for (int c = 0; c < 4; c++)
+    cloth_v3_store(a->q, (int)a->place[4 * i + c], cloth_v3_scale(a->weight[4 * i + c], u));
 }

@@ -20,7 +20,7 @@ CLOTH_FN void cloth_impact_find(int i, const cloth_impact_find_args *a)
   cloth_contact_geometry g;
   cloth_real toi;
   if (!cloth_impact(&a->scene, a->pair[i], a->gap, a->moved, &g, &toi)) return;
-  uint32_t at = cloth_atomic_add(a->count, 1);
+  uint32_t at = cloth_atomic_next(a->count);
   if (at >= a->capacity) return;
   a->key[at] = a->pair[i];
   uint32_t time = (uint32_t)(toi * (cloth_real)CLOTH_WHOLE); // rounded down: earlier

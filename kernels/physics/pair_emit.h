@@ -23,38 +23,36 @@ typedef struct cloth_pair_mesh {
   int triangles_only;           // 1: report (cloth triangle, triangle) instead of features
   cloth_key_format format;
   cloth_flat_map flat; // what need not be looked at
-  uint64_t *key; // [capacity]
+  uint64_t *key;       // [capacity]
   uint32_t capacity;
   uint32_t *count; // [1] counts up, also past the capacity
 } cloth_pair_mesh;
-
-CLOTH_FN void cloth_pair_append(const cloth_pair_mesh *m, int type, int a, int b)
-{
-  uint32_t at = cloth_atomic_add(m->count, 1);
-  if (at < m->capacity) m->key[at] = cloth_pair_pack(m->format, type, a, b);
-}
 
 CLOTH_FN int cloth_pair_mine(const cloth_pair_mesh *m, int v)
 {
   return v >= m->first && v < m->last;
 }
 
-CLOTH_FN void cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb)
+// bits 0..2: which corners of ta may touch tb
+CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb)
 {
   const int *va = m->triangle + 3 * ta, *vb = m->triangle + 3 * tb;
   cloth_box face = cloth_box_load(m->box, tb);
   int mine = cloth_pair_mine(m, vb[0]) || cloth_pair_mine(m, vb[1]) || cloth_pair_mine(m, vb[2]);
+  uint32_t bits = 0;
   for (int k = 0; k < 3; k++) {
     int v = va[k];
     if (!(m->owns[ta] >> k & 1) || v == vb[0] || v == vb[1] || v == vb[2]) continue;
     if (!mine && !cloth_pair_mine(m, v)) continue;
-    if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, m->gap))
-      cloth_pair_append(m, CLOTH_VERTEX_FACE, v, tb);
+    if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, m->gap)) bits |= 1u << k;
   }
+  return bits;
 }
 
-CLOTH_FN void cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
+// bit 3 i + k: edge i of ta may touch edge k of tb
+CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
 {
+  uint32_t bits = 0;
   for (int i = 0; i < 3; i++) {
     if (!(m->owns[ta] >> (3 + i) & 1)) continue;
     int ea = m->triangle_edge[3 * ta + i], a0 = m->edge[2 * ea], a1 = m->edge[2 * ea + 1];
@@ -69,23 +67,57 @@ CLOTH_FN void cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
         continue;
       cloth_box other =
           cloth_box_union(cloth_box_load(m->vertex_box, b0), cloth_box_load(m->vertex_box, b1));
-      if (cloth_box_near(box, other, m->gap))
-        cloth_pair_append(m, CLOTH_EDGE_EDGE, ea < eb ? ea : eb, ea < eb ? eb : ea);
+      if (cloth_box_near(box, other, m->gap)) bits |= 1u << (3 * i + k);
     }
   }
+  return bits;
 }
 
-/// ta is a cloth triangle; tb is another cloth triangle or one of a body.
+/// Which pairs of features of two triangles may touch: bits 0..2 corners of ta and tb's face, 3..5
+/// the other way round, 6..14 edges; with triangles_only bit 0. ta is a cloth triangle; tb is
+/// another or one of a body.
+CLOTH_FN uint32_t cloth_pair_bits(const cloth_pair_mesh *m, int ta, int tb)
+{
+  if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return 0;
+  if (m->triangles_only) // counted by the part of the lower one's first corner
+    return (uint32_t)cloth_pair_mine(m, m->triangle[3 * (ta < tb ? ta : tb)]);
+  return cloth_pair_vertices_face(m, ta, tb) | cloth_pair_vertices_face(m, tb, ta) << 3 |
+         cloth_pair_edges(m, ta, tb) << 6;
+}
+
+/// The pair that a bit stands for.
+CLOTH_FN uint64_t cloth_pair_of_bit(const cloth_pair_mesh *m, int ta, int tb, int bit)
+{
+  if (m->triangles_only)
+    return cloth_pair_pack(m->format, CLOTH_VERTEX_FACE, ta < tb ? ta : tb, ta < tb ? tb : ta);
+  if (bit < 3) return cloth_pair_pack(m->format, CLOTH_VERTEX_FACE, m->triangle[3 * ta + bit], tb);
+  if (bit < 6)
+    return cloth_pair_pack(m->format, CLOTH_VERTEX_FACE, m->triangle[3 * tb + bit - 3], ta);
+  int ea = m->triangle_edge[3 * ta + (bit - 6) / 3], eb = m->triangle_edge[3 * tb + (bit - 6) % 3];
+  return cloth_pair_pack(m->format, CLOTH_EDGE_EDGE, ea < eb ? ea : eb, ea < eb ? eb : ea);
+}
+
+CLOTH_FN int cloth_count_bits(uint32_t bits)
+{
+  int n = 0;
+  for (; bits; bits &= bits - 1) n++;
+  return n;
+}
+
+/// Write the pairs of `bits` to places [at, at + their number) of the list, as far as it reaches.
+CLOTH_FN void cloth_pair_write(const cloth_pair_mesh *m, int ta, int tb, uint32_t bits, uint32_t at)
+{
+  for (int bit = 0; bits >> bit; bit++)
+    if (bits >> bit & 1) {
+      if (at < m->capacity) m->key[at] = cloth_pair_of_bit(m, ta, tb, bit);
+      at++;
+    }
+}
+
+/// Append what may touch of two triangles.
 CLOTH_FN void cloth_pair_emit(const cloth_pair_mesh *m, int ta, int tb)
 {
-  if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return;
-  if (m->triangles_only) {
-    int low = ta < tb ? ta : tb; // counted by the part of its first corner
-    if (cloth_pair_mine(m, m->triangle[3 * low]))
-      cloth_pair_append(m, CLOTH_VERTEX_FACE, low, ta < tb ? tb : ta);
-    return;
-  }
-  cloth_pair_vertices_face(m, ta, tb);
-  cloth_pair_vertices_face(m, tb, ta);
-  cloth_pair_edges(m, ta, tb);
+  uint32_t bits = cloth_pair_bits(m, ta, tb);
+  if (bits == 0) return;
+  cloth_pair_write(m, ta, tb, bits, cloth_atomic_add(m->count, (uint32_t)cloth_count_bits(bits)));
 }

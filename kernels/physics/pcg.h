@@ -11,38 +11,98 @@
 enum {
   CLOTH_PCG_ALPHA,
   CLOTH_PCG_BETA,
-  CLOTH_PCG_RZ,        // r' z
-  CLOTH_PCG_RZ_COARSE, // the part of it that the coarse level adds
-  CLOTH_PCG_RZ_FIRST,  // r' z of the substep's first solve at its start
-  CLOTH_PCG_RR,        // r' r
-  CLOTH_PCG_BB,        // b' b of the substep's first solve, over the free rows
-  CLOTH_PCG_DONE,      // 1: converged or broken down
+  CLOTH_PCG_RZ,       // r' z
+  CLOTH_PCG_RZ_FIRST, // r' z of the substep's first solve at its start
+  CLOTH_PCG_RR,       // r' r
+  CLOTH_PCG_BB,       // b' b of the substep's first solve, over the free rows
+  CLOTH_PCG_DONE,     // 1: converged or broken down
   CLOTH_PCG_ITERATIONS,
+  CLOTH_PCG_RESIDUAL, // r'r of the true residual at the end
+  CLOTH_PCG_LARGEST,  // m, largest correction of a vertex
   CLOTH_PCG_SCALARS
 };
 
 // sums of a chunk, fields of `partial`: r'z of the block Jacobi part (or p'q), r'r, r in x y z
-enum { CLOTH_PCG_PARTIALS = 5 };
+enum { CLOTH_PCG_PARTIALS = 5, CLOTH_RUN = 8 };
 
 // rows of a part: solve vectors are padded to whole chunks, and the padding stays zero
 typedef struct cloth_pcg_vectors {
   int first, count;                   // owned vertices; first is a multiple of CLOTH_CHUNK
   const cloth_real *free;             // [vertices] 1: row is solved, 0: held
   const cloth_real *inverse_diagonal; // [vertices x 6]
-  const cloth_real *b;                // [vertices x 3]
-  cloth_real *dx, *r, *z, *p, *q;     // [vertices x 3]
-  cloth_real *partial;                // [chunks x CLOTH_PCG_PARTIALS] sums of chunks
-  const cloth_real *coarse;           // [aggregates x 3] correction of each aggregate; NULL: none
-  int aggregates, chunks;             // of all parts
-  cloth_real *scalar;                 // [CLOTH_PCG_SCALARS]
+  const cloth_real *run_inverse;   // [vertices / RUN x 6] levels_chunk.h; NULL: block Jacobi alone
+  const cloth_real *chunk_inverse; // [chunks x 6]
+  const cloth_real *b;             // [vertices x 3]
+  cloth_real *dx, *r, *z, *p, *q;  // [vertices x 3]
+  cloth_real *partial;             // [chunks x CLOTH_PCG_PARTIALS] sums of chunks
+  const cloth_real *coarse;        // [aggregates x 3] correction of each aggregate; NULL: none
+  int aggregates, chunks;          // of all parts
+  cloth_real *scalar;              // [CLOTH_PCG_SCALARS]
 } cloth_pcg_vectors;
 
-// partial sums of all chunks, in order
+/// z of vertex k from r and the sums of r over its run and its chunk.
+CLOTH_FN cloth_v3 cloth_pcg_z(int k, const cloth_pcg_vectors *v, cloth_v3 r, cloth_v3 run,
+                              cloth_v3 chunk)
+{
+  cloth_v3 z = cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r);
+  if (v->run_inverse) {
+    z = cloth_v3_add(z, cloth_sym3_mul(cloth_sym3_load(v->run_inverse, k / CLOTH_RUN), run));
+    z = cloth_v3_add(z, cloth_sym3_mul(cloth_sym3_load(v->chunk_inverse, k / CLOTH_CHUNK), chunk));
+  }
+  return cloth_v3_scale(v->free[k], z);
+}
+
+/// r of a chunk, x y z; what lies behind its end is zero.
+typedef struct cloth_pcg_chunk {
+  cloth_real r[3][CLOTH_CHUNK];
+} cloth_pcg_chunk;
+
+CLOTH_FN cloth_v3 cloth_pcg_chunk_sum(const cloth_pcg_chunk *c, int lane, int width)
+{
+  cloth_real sum[3][CLOTH_CHUNK];
+  for (int k = 0; k < 3; k++) {
+    for (int l = 0; l < width; l++) sum[k][l] = c->r[k][lane + l];
+    cloth_lanes_sum(sum[k], width);
+  }
+  return cloth_v3_make(sum[0][0], sum[1][0], sum[2][0]);
+}
+
+/// z of a chunk and its partial sums, from r. Vertices [begin, end).
+CLOTH_FN void cloth_pcg_chunk_finish(const cloth_pcg_vectors *v, const cloth_pcg_chunk *c,
+                                     int begin, int end)
+{
+  cloth_real rz[CLOTH_CHUNK], rr[CLOTH_CHUNK];
+  cloth_v3 chunk = cloth_pcg_chunk_sum(c, 0, CLOTH_CHUNK), run = chunk;
+  for (int lane = 0; lane < CLOTH_CHUNK; lane++) {
+    if (lane % CLOTH_RUN == 0) run = cloth_pcg_chunk_sum(c, lane, CLOTH_RUN);
+    cloth_v3 r = cloth_v3_make(c->r[0][lane], c->r[1][lane], c->r[2][lane]), z = r;
+    if (begin + lane < end) {
+      z = cloth_pcg_z(begin + lane, v, r, run, chunk);
+      cloth_v3_store(v->z, begin + lane, z);
+    }
+    rz[lane] = cloth_v3_dot(r, z), rr[lane] = cloth_v3_dot(r, r);
+  }
+  cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (begin / CLOTH_CHUNK);
+  partial[0] = cloth_chunk_sum(rz), partial[1] = cloth_chunk_sum(rr);
+  cloth_v3_store(partial + 2, 0, chunk);
+}
+
+CLOTH_FN void cloth_pcg_chunk_set(cloth_pcg_chunk *c, int lane, cloth_v3 r)
+{
+  c->r[0][lane] = r.x, c->r[1][lane] = r.y, c->r[2][lane] = r.z;
+}
+
+// Sum over all chunks: lane l adds chunks l, l + LANES, ... and the lanes are added pairwise. One
+// order, that a loop and a block of threads follow alike.
+enum { CLOTH_PCG_LANES = 256, CLOTH_COARSE_LANES = 32 };
+
 CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int field)
 {
-  cloth_real sum = 0;
-  for (int c = 0; c < chunks; c++) sum += partial[CLOTH_PCG_PARTIALS * c + field];
-  return sum;
+  cloth_real lane[CLOTH_PCG_LANES];
+  for (int l = 0; l < CLOTH_PCG_LANES; l++) lane[l] = 0;
+  for (int c = 0; c < chunks; c++)
+    lane[c % CLOTH_PCG_LANES] += partial[CLOTH_PCG_PARTIALS * c + field];
+  return cloth_lanes_sum(lane, CLOTH_PCG_LANES);
 }
 
 // The coarse level: vertices of an aggregate (a run of chunks) move together (Nicolaides 1987).
@@ -51,4 +111,20 @@ CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int
 CLOTH_FN int cloth_aggregate_of(int vertex, int chunks, int aggregates)
 {
   return (int)((int64_t)(vertex / CLOTH_CHUNK) * aggregates / chunks);
+}
+
+/// First chunk of an aggregate.
+CLOTH_FN int cloth_aggregate_begin(int aggregate, int chunks, int aggregates)
+{
+  return (int)(((int64_t)aggregate * chunks + aggregates - 1) / aggregates);
+}
+
+/// The coarse level's share of r'z: P' r times the correction, lanes as in coarse_solve.h.
+CLOTH_FN cloth_real cloth_coarse_rz(const cloth_real *rest, const cloth_real *coarse,
+                                    int aggregates)
+{
+  cloth_real lane[CLOTH_COARSE_LANES];
+  for (int l = 0; l < CLOTH_COARSE_LANES; l++) lane[l] = 0;
+  for (int k = 0; k < 3 * aggregates; k++) lane[k % CLOTH_COARSE_LANES] += rest[k] * coarse[k];
+  return cloth_lanes_sum(lane, CLOTH_COARSE_LANES);
 }

@@ -8,18 +8,27 @@ typedef struct cloth_pcg_direction_args {
   cloth_pcg_vectors v;
 } cloth_pcg_direction_args;
 
+/// Vertex k with the correction of its aggregate.
+CLOTH_FN void cloth_pcg_direction_row(int k, const cloth_pcg_vectors *v, cloth_real beta,
+                                      cloth_v3 coarse)
+{
+  cloth_v3 z = cloth_v3_add_scaled(cloth_v3_load(v->z, k), v->free[k], coarse);
+  cloth_v3_store(v->p, k, cloth_v3_add_scaled(z, beta, cloth_v3_load(v->p, k)));
+}
+
+/// The correction of the aggregate of vertex k; 0 without a coarse level.
+CLOTH_FN cloth_v3 cloth_pcg_coarse_of(int k, const cloth_pcg_vectors *v)
+{
+  if (!v->coarse) return cloth_v3_make(0, 0, 0);
+  return cloth_v3_load(v->coarse, cloth_aggregate_of(k, v->chunks, v->aggregates));
+}
+
 CLOTH_FN void cloth_pcg_direction(int i, const cloth_pcg_direction_args *a)
 {
   const cloth_pcg_vectors *v = &a->v;
   if (v->scalar[CLOTH_PCG_DONE] > 0) return;
-  cloth_real beta = v->scalar[CLOTH_PCG_BETA];
-  int end = cloth_chunk_end(v->first, v->count, i);
-  cloth_v3 coarse = cloth_v3_make(0, 0, 0);
-  int begin = v->first + i * CLOTH_CHUNK;
-  if (v->coarse)
-    coarse = cloth_v3_load(v->coarse, cloth_aggregate_of(begin, v->chunks, v->aggregates));
-  for (int k = begin; k < end; k++) {
-    cloth_v3 z = cloth_v3_add_scaled(cloth_v3_load(v->z, k), v->free[k], coarse);
-    cloth_v3_store(v->p, k, cloth_v3_add_scaled(z, beta, cloth_v3_load(v->p, k)));
-  }
+  int begin = v->first + i * CLOTH_CHUNK, end = cloth_chunk_end(v->first, v->count, i);
+  cloth_v3 coarse = cloth_pcg_coarse_of(begin, v);
+  for (int k = begin; k < end; k++)
+    cloth_pcg_direction_row(k, v, v->scalar[CLOTH_PCG_BETA], coarse);
 }

@@ -4,34 +4,37 @@
 #include "pcg.h"
 
 typedef struct cloth_pcg_product_args {
-  cloth_block_rows rows;            // of this part
-  int first, count;                 // owned vertices
-  const uint32_t *contact_first;    // [rows + 1]; NULL: no contacts
-  const uint32_t *contact_entry;    // [entries] 4 contact + corner
-  const cloth_real *contact_weight; // [contacts x 4]
-  const cloth_real *contact_q;      // [contacts x 3] contact_product.h
-  const cloth_real *x;              // [vertices x 3]
-  cloth_real *q;                    // [vertices x 3], written
-  cloth_real *partial;              // [chunks x CLOTH_PCG_PARTIALS], field 0 written
+  cloth_block_rows rows;         // of this part
+  int first, count;              // owned vertices
+  const uint32_t *contact_first; // [rows + 1]; NULL: no contacts
+  const cloth_real *contact_q;   // [entries x 3] by row: contact_product.h
+  const cloth_real *x;           // [vertices x 3]
+  cloth_real *q;                 // [vertices x 3], written
+  cloth_real *partial;           // [chunks x CLOTH_PCG_PARTIALS], field 0 written
+  const cloth_real *done;        // [1] above 0: nothing is left to do; NULL: always multiply
 } cloth_pcg_product_args;
+
+/// Row `row` of q from its mesh part: contacts are added, q is stored. Returns its share of x'q.
+CLOTH_FN cloth_real cloth_pcg_product_row(int row, const cloth_pcg_product_args *a, cloth_v3 q)
+{
+  uint32_t begin = a->contact_first ? a->contact_first[row] : 0;
+  uint32_t end = a->contact_first ? a->contact_first[row + 1] : 0;
+  CLOTH_UNROLL_MORE
+  for (uint32_t n = begin; n < end; n++) q = cloth_v3_add(q, cloth_v3_load(a->contact_q, (int)n));
+  cloth_v3_store(a->q, a->first + row, q);
+  return cloth_v3_dot(cloth_v3_load(a->x, a->first + row), q);
+}
 
 CLOTH_FN void cloth_pcg_product(int i, const cloth_pcg_product_args *a)
 {
-  cloth_real y[CLOTH_ROW_GROUP * 3], sum = 0;
+  if (a->done && *a->done > 0) return;
+  cloth_real y[CLOTH_ROW_GROUP * 3], sum[CLOTH_CHUNK];
   int begin = i * CLOTH_CHUNK, end = cloth_chunk_end(0, a->count, i);
-  for (int row = begin; row < end; row += CLOTH_ROW_GROUP) {
-    cloth_block_product(&a->rows, row / CLOTH_ROW_GROUP, a->x, y);
-    for (int l = 0; l < CLOTH_ROW_GROUP && row + l < end; l++) {
-      cloth_v3 q = cloth_v3_load(y, l);
-      if (a->contact_first)
-        for (uint32_t n = a->contact_first[row + l]; n < a->contact_first[row + l + 1]; n++) {
-          uint32_t e = a->contact_entry[n];
-          q = cloth_v3_add_scaled(q, a->contact_weight[e],
-                                  cloth_v3_load(a->contact_q, (int)(e / 4)));
-        }
-      cloth_v3_store(a->q, a->first + row + l, q);
-      sum += cloth_v3_dot(cloth_v3_load(a->x, a->first + row + l), q);
-    }
+  for (int row = begin; row < begin + CLOTH_CHUNK; row += CLOTH_ROW_GROUP) {
+    if (row < end) cloth_block_product(&a->rows, row / CLOTH_ROW_GROUP, a->x, y);
+    for (int l = 0; l < CLOTH_ROW_GROUP; l++)
+      sum[row - begin + l] =
+          row + l < end ? cloth_pcg_product_row(row + l, a, cloth_v3_load(y, l)) : 0;
   }
-  a->partial[CLOTH_PCG_PARTIALS * (a->first / CLOTH_CHUNK + i)] = sum;
+  a->partial[CLOTH_PCG_PARTIALS * (a->first / CLOTH_CHUNK + i)] = cloth_chunk_sum(sum);
 }

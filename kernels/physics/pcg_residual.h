@@ -8,15 +8,20 @@ typedef struct cloth_pcg_residual_args {
   cloth_pcg_vectors v;
 } cloth_pcg_residual_args;
 
+/// Vertex k, and its share of r'r.
+CLOTH_FN cloth_real cloth_pcg_residual_row(int k, const cloth_pcg_vectors *v)
+{
+  cloth_v3 r = cloth_v3_sub(cloth_v3_load(v->b, k), cloth_v3_load(v->q, k));
+  cloth_v3_store(v->r, k, r);
+  return v->free[k] * cloth_v3_dot(r, r);
+}
+
 CLOTH_FN void cloth_pcg_residual(int i, const cloth_pcg_residual_args *a)
 {
   const cloth_pcg_vectors *v = &a->v;
-  cloth_real rr = 0;
-  int end = cloth_chunk_end(v->first, v->count, i);
-  for (int k = v->first + i * CLOTH_CHUNK; k < end; k++) {
-    cloth_v3 r = cloth_v3_sub(cloth_v3_load(v->b, k), cloth_v3_load(v->q, k));
-    cloth_v3_store(v->r, k, r);
-    rr += v->free[k] * cloth_v3_dot(r, r);
-  }
-  v->partial[CLOTH_PCG_PARTIALS * (v->first / CLOTH_CHUNK + i)] = rr;
+  cloth_real rr[CLOTH_CHUNK];
+  int begin = v->first + i * CLOTH_CHUNK, end = cloth_chunk_end(v->first, v->count, i);
+  for (int lane = 0; lane < CLOTH_CHUNK; lane++)
+    rr[lane] = begin + lane < end ? cloth_pcg_residual_row(begin + lane, v) : 0;
+  v->partial[CLOTH_PCG_PARTIALS * (begin / CLOTH_CHUNK)] = cloth_chunk_sum(rr);
 }

@@ -1,4 +1,5 @@
-// dx = p = 0, r = b on free rows, z = D^-1 r; partial r'z, r'r and r of chunk i.
+// dx = p = 0, r = b on free rows, z = B r with the preconditioner's levels inside the chunk;
+// partial r'z, r'r and r of chunk i.
 #pragma once
 
 #include "pcg.h"
@@ -7,23 +8,24 @@ typedef struct cloth_pcg_start_args {
   cloth_pcg_vectors v;
 } cloth_pcg_start_args;
 
+/// Vertex k: its r.
+CLOTH_FN cloth_v3 cloth_pcg_start_row(int k, const cloth_pcg_vectors *v)
+{
+  cloth_v3 r = cloth_v3_scale(v->free[k], cloth_v3_load(v->b, k));
+  cloth_v3_store(v->dx, k, cloth_v3_make(0, 0, 0));
+  cloth_v3_store(v->r, k, r);
+  cloth_v3_store(v->p, k, cloth_v3_make(0, 0, 0));
+  return r;
+}
+
 CLOTH_FN void cloth_pcg_start(int i, const cloth_pcg_start_args *a)
 {
   const cloth_pcg_vectors *v = &a->v;
-  cloth_real rz = 0, rr = 0;
-  cloth_v3 sum = cloth_v3_make(0, 0, 0);
-  int end = cloth_chunk_end(v->first, v->count, i);
-  for (int k = v->first + i * CLOTH_CHUNK; k < end; k++) {
-    cloth_v3 r = cloth_v3_scale(v->free[k], cloth_v3_load(v->b, k));
-    cloth_v3 z =
-        cloth_v3_scale(v->free[k], cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r));
-    cloth_v3_store(v->dx, k, cloth_v3_make(0, 0, 0));
-    cloth_v3_store(v->r, k, r);
-    cloth_v3_store(v->z, k, z);
-    cloth_v3_store(v->p, k, cloth_v3_make(0, 0, 0));
-    sum = cloth_v3_add(sum, r);
-    rz += cloth_v3_dot(r, z), rr += cloth_v3_dot(r, r);
-  }
-  cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (v->first / CLOTH_CHUNK + i);
-  partial[0] = rz, partial[1] = rr, partial[2] = sum.x, partial[3] = sum.y, partial[4] = sum.z;
+  cloth_pcg_chunk chunk;
+  int begin = v->first + i * CLOTH_CHUNK, end = cloth_chunk_end(v->first, v->count, i);
+  for (int lane = 0; lane < CLOTH_CHUNK; lane++)
+    cloth_pcg_chunk_set(&chunk, lane,
+                        begin + lane < end ? cloth_pcg_start_row(begin + lane, v)
+                                           : cloth_v3_make(0, 0, 0));
+  cloth_pcg_chunk_finish(v, &chunk, begin, end);
 }

@@ -128,3 +128,20 @@ CLOTH_FN cloth_sym3 cloth_sym3_add(cloth_sym3 a, cloth_sym3 b)
   a.yz += b.yz, a.zx += b.zx, a.xy += b.xy;
   return a;
 }
+
+CLOTH_FN cloth_sym3 cloth_sym3_inverse(cloth_sym3 m)
+{
+  cloth_sym3 c; // cofactors
+  c.xx = m.yy * m.zz - m.yz * m.yz, c.yy = m.zz * m.xx - m.zx * m.zx,
+  c.zz = m.xx * m.yy - m.xy * m.xy;
+  c.yz = m.zx * m.xy - m.yz * m.xx, c.zx = m.xy * m.yz - m.zx * m.yy,
+  c.xy = m.yz * m.zx - m.xy * m.zz;
+  cloth_real det = m.xx * c.xx + m.xy * c.xy + m.zx * c.zx;
+  if (!(det > 0)) { // lost to rounding: the diagonal alone
+    c.xx = 1 / m.xx, c.yy = 1 / m.yy, c.zz = 1 / m.zz, c.yz = c.zx = c.xy = 0;
+    return c;
+  }
+  cloth_real s = 1 / det;
+  c.xx *= s, c.yy *= s, c.zz *= s, c.yz *= s, c.zx *= s, c.xy *= s;
+  return c;
+}

@@ -24,5 +24,5 @@ CLOTH_FN void cloth_vertex_escape(int i, const cloth_vertex_escape_args *a)
   cloth_box b = cloth_box_load(a->box, v);
   if (!(cloth_box_holds(b, cloth_v3_load(a->x_t0, v)) &&
         cloth_box_holds(b, cloth_v3_load(a->x, v))))
-    cloth_atomic_add(a->escaped, 1);
+    cloth_atomic_next(a->escaped);
 }

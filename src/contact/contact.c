@@ -10,6 +10,7 @@
 #include "contact_entry.h"
 #include "contact_find.h"
 #include "contact_force.h"
+#include "contact_place.h"
 #include "contact_row.h"
 #include "effect/effect.h"
 
@@ -74,7 +75,8 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
   CLOTH_TRY(cloth_grow(sim, p, "contact_force", 3 * real * n, &p->contact_force, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_tangent", 6 * real * n, &p->contact_tangent, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_pressure", real * n, &p->contact_pressure, err));
-  CLOTH_TRY(cloth_grow(sim, p, "contact_q", 3 * real * n, &p->contact_q, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_q", 4 * 3 * real * n, &p->contact_q, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_place", 4 * 4 * n, &p->contact_place, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_row", 4 * 8 * n, &p->contact_row, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_row_spare", 4 * 8 * n, &p->contact_row_spare, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_entry", 4 * 4 * n, &p->contact_entry, err));
@@ -126,6 +128,8 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(sim->backend->sort(p->device, entries, bits_below(rows), p->contact_row,
                                p->contact_entry, p->contact_row_spare, p->contact_entry_spare,
                                err));
+  cloth_contact_place_args w = {p->contact_entry, p->contact_place};
+  CLOTH_LAUNCH(sim, p, contact_place, entries, &w, err);
   cloth_contact_row_args r = {entries, p->contact_row, p->contact_first};
   return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, rows + 1, &r, err);
 }

@@ -9,6 +9,8 @@ typedef struct cloth_engine {
   const char *precision;                                                      // "float", "double"
   cloth_status (*create)(const cloth_def *def, void **out, cloth_error *err); // borrows def
   void (*destroy)(void *sim);
+  const char *(*backend)(const void *sim);
+  const char *(*backend_why)(const void *sim);
   cloth_status (*step)(void *sim, double h, cloth_step_report *report, cloth_error *err);
   cloth_status (*hash)(void *sim, uint64_t *out, cloth_error *err);
   double (*time)(const void *sim);

@@ -308,7 +308,10 @@ Settings readSettings(const ros::NodeHandle &priv)
           for (const cloth_param_info *i = cloth_param_table(); i->name; i++)
             if (key == i->name) checkSceneType(name, i, p.second);
           if (key.rfind("effects/", 0) == 0) key[7] = '.';
-          s.scene.emplace_back(key, asText(name, p.second));
+          string text = asText(name, p.second);
+          for (char &c : text)
+            if (key == "devices" && c == ' ') c = ','; // [0, 0] as well as [cpu, cpu]
+          s.scene.emplace_back(key, text);
         }
       } else {
         flatten(entry.first, entry.second, flat);

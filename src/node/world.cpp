@@ -130,6 +130,7 @@ std::unique_ptr<World> loadWorld(const Settings &s, const ros::NodeHandle &nh,
     throw StartError("scene " + s.scene_file + ": " + err.text);
   world->scene.reset(scene);
   cloth_scene_hash_steps(scene, s.hash_steps);
+  ROS_INFO_STREAM("backend " << cloth_backend_of(scene) << " (" << cloth_backend_why(scene) << ")");
   for (int i = 0; i < cloth_count(scene); i++)
     ROS_INFO_STREAM("cloth " << cloth_name(scene, i) << ": " << cloth_vertex_count(scene, i)
                              << " vertices, " << cloth_triangle_count(scene, i) << " triangles");

@@ -85,9 +85,10 @@ typedef enum cloth_effect_wish {
 struct cloth_def {
   char name[64];
   cloth_params params;
-  char backend[16];              // "auto", "cpu", "shuffle", later "cuda"
+  char backend[16];              // "auto", "cpu", "cuda", "shuffle"
   char precision[8];             // "float", "double"
   int device_count;              // parts; at least 1
+  bool devices_are_cpu;          // one was named "cpu"
   int device[CLOTH_DEVICES_MAX]; // backend's index of each part's device
   struct {
     char name[32];

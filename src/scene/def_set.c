@@ -47,6 +47,7 @@ static cloth_status set_devices(cloth_def *def, const char *value, cloth_error *
   }
   memcpy(def->device, device, sizeof device[0] * (size_t)count);
   def->device_count = count;
+  def->devices_are_cpu = cpus > 0;
   return CLOTH_OK;
 }
 
@@ -109,12 +110,12 @@ static cloth_status set_duration(cloth_def *def, const char *value, cloth_error 
 
 cloth_status cloth_def_set(cloth_def *def, const char *name, const char *value, cloth_error *err)
 {
-  static const char *const backends[] = {"auto", "cpu", "shuffle", NULL};
+  static const char *const backends[] = {"auto", "cpu", "cuda", "shuffle", NULL};
   static const char *const precisions[] = {"float", "double", NULL};
   if (name == NULL || value == NULL)
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "a setting needs a name and a value");
   if (strcmp(name, "backend") == 0)
-    return set_word(def->backend, sizeof def->backend, name, value, backends, "auto, cpu, shuffle",
+    return set_word(def->backend, sizeof def->backend, name, value, backends, "auto, cpu, cuda, shuffle",
                     err);
   if (strcmp(name, "precision") == 0)
     return set_word(def->precision, sizeof def->precision, name, value, precisions, "float, double",

@@ -37,7 +37,7 @@ cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err)
         .contact_weight = p->contact_weight,
         .contact_force = p->contact_force,
         .contact_tangent = p->contact_tangent,
-        .rows = {p->row_first, p->row_col, p->row_val},
+        .rows = {p->row_first, p->row_col, p->row_val, p->row_widest},
         .b = p->b,
         .inverse_diagonal = p->inverse_diagonal,
     };

@@ -92,26 +92,29 @@ static int slot_of(const row_columns *r, int row, int col)
 static cloth_status upload_rows(cloth_sim *sim, cloth_part *part, const row_columns *r,
                                 cloth_error *err)
 {
-  int groups = (r->rows + CLOTH_ROW_GROUP - 1) / CLOTH_ROW_GROUP;
+  int group = sim->backend->row_group, groups = (r->rows + group - 1) / group;
   int *first = malloc(sizeof(int) * ((size_t)groups + 1));
   if (first == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "rows");
   first[0] = 0;
   for (int g = 0; g < groups; g++) {
     int width = 0;
-    for (int row = g * CLOTH_ROW_GROUP; row < (g + 1) * CLOTH_ROW_GROUP && row < r->rows; row++)
+    for (int row = g * group; row < (g + 1) * group && row < r->rows; row++)
       if (r->first[row + 1] - r->first[row] > width) width = r->first[row + 1] - r->first[row];
     first[g + 1] = first[g] + width;
   }
   part->row_slots = first[groups];
-  int *col = malloc(sizeof(int) * ((size_t)part->row_slots * CLOTH_ROW_GROUP + 1));
+  part->row_widest = 0;
+  for (int g = 0; g < groups; g++)
+    if (first[g + 1] - first[g] > part->row_widest) part->row_widest = first[g + 1] - first[g];
+  int *col = malloc(sizeof(int) * ((size_t)part->row_slots * (size_t)group + 1));
   if (col == NULL) {
     free(first);
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "rows");
   }
   for (int g = 0; g < groups; g++)
     for (int s = 0; s < first[g + 1] - first[g]; s++)
-      for (int lane = 0; lane < CLOTH_ROW_GROUP; lane++) {
-        int row = g * CLOTH_ROW_GROUP + lane, at = (first[g] + s) * CLOTH_ROW_GROUP + lane;
+      for (int lane = 0; lane < group; lane++) {
+        int row = g * group + lane, at = (first[g] + s) * group + lane;
         bool used = row < r->rows && s < r->first[row + 1] - r->first[row];
         col[at] = used ? r->col[r->first[row] + s] : part->v0 + (row < r->rows ? row : 0);
       }
@@ -120,10 +123,10 @@ static cloth_status upload_rows(cloth_sim *sim, cloth_part *part, const row_colu
   if (status == CLOTH_OK)
     status =
         cloth_upload(sim, part, "row_col", col,
-                     sizeof(int) * (size_t)part->row_slots * CLOTH_ROW_GROUP, &part->row_col, err);
+                     sizeof(int) * (size_t)part->row_slots * (size_t)group, &part->row_col, err);
   if (status == CLOTH_OK)
     status = cloth_take(sim, part, "row_val",
-                        sizeof(cloth_real) * 9 * CLOTH_ROW_GROUP * (size_t)part->row_slots,
+                        sizeof(cloth_real) * 9 * (size_t)group * (size_t)part->row_slots,
                         &part->row_val, err);
   free(first), free(col);
   return status;

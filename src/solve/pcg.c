@@ -4,14 +4,20 @@
 // parts.
 #include "coarse_chunk.h"
 #include "coarse_factor.h"
+#include "coarse_inverse.h"
+#include "coarse_rest.h"
 #include "coarse_solve.h"
+#include "coarse_sum.h"
 #include "contact_product.h"
 #include "correct.h"
+#include "levels_chunk.h"
 #include "pcg_alpha.h"
 #include "pcg_beta.h"
 #include "pcg_direction.h"
+#include "pcg_finish.h"
 #include "pcg_product.h"
 #include "pcg_residual.h"
+#include "pcg_solve.h"
 #include "pcg_start.h"
 #include "pcg_update.h"
 #include "state/sim.h"
@@ -24,6 +30,8 @@ static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
                          .count = p->v1 - p->v0,
                          .free = p->free,
                          .inverse_diagonal = p->inverse_diagonal,
+                         .run_inverse = p->run_inverse,
+                         .chunk_inverse = p->chunk_inverse,
                          .b = p->b,
                          .dx = p->dx,
                          .r = p->r,
@@ -44,26 +52,70 @@ static cloth_status exchange_partial(cloth_sim *sim, cloth_error *err)
                         CLOTH_PCG_PARTIALS * sizeof(cloth_real), err);
 }
 
+static const cloth_real *done_flag(const cloth_part *p) { return p->scalar + CLOTH_PCG_DONE; }
+
+static cloth_contact_product_args contact_args(const cloth_sim *sim, const cloth_part *p,
+                                               const cloth_real *x)
+{
+  cloth_contact_product_args a = {
+      sim->vertex_count, p->contact_vertex, p->contact_weight, p->contact_tangent, x,
+      p->contact_place,  p->contact_q};
+  return a;
+}
+
+static cloth_pcg_product_args product_args(const cloth_part *p, const cloth_real *x,
+                                           const cloth_real *done)
+{
+  cloth_pcg_product_args a = {.rows = {p->row_first, p->row_col, p->row_val, p->row_widest},
+                              .first = p->v0,
+                              .count = p->v1 - p->v0,
+                              .contact_first = p->contact_count > 0 ? p->contact_first : NULL,
+                              .contact_q = p->contact_q,
+                              .x = x,
+                              .q = p->q,
+                              .partial = p->partial,
+                              .done = done};
+  return a;
+}
+
+static cloth_coarse_rest_args rest_args(const cloth_sim *sim, const cloth_part *p,
+                                        const cloth_real *done)
+{
+  cloth_coarse_rest_args a = {sim->chunks, sim->aggregates, p->partial, done, p->coarse_rest};
+  return a;
+}
+
+static cloth_coarse_solve_args coarse_args(const cloth_sim *sim, const cloth_part *p,
+                                           const cloth_real *done)
+{
+  cloth_coarse_solve_args a = {sim->aggregates, p->inverse, p->usable,
+                               p->coarse_rest,  done,       p->coarse};
+  return a;
+}
+
+static cloth_pcg_beta_args beta_args(const cloth_sim *sim, const cloth_part *p, int start)
+{
+  cloth_pcg_beta_args a = {.chunks = sim->chunks,
+                           .start = start,
+                           .tolerance = (cloth_real)sim->params.pcg_tolerance,
+                           .first = sim->iteration == 0,
+                           .partial = p->partial,
+                           .aggregates = sim->aggregates,
+                           .rest = p->coarse_rest,
+                           .coarse = p->coarse,
+                           .scalar = p->scalar};
+  return a;
+}
+
 // q = A x on every part, with the chunk sums of x'q; x is p or dx, complete on every part
 static cloth_status product(cloth_sim *sim, bool of_dx, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_real *x = of_dx ? p->dx : p->p;
-    cloth_contact_product_args c = {
-        sim->vertex_count, p->contact_vertex, p->contact_weight, p->contact_tangent, x,
-        p->contact_q};
+    const cloth_real *x = of_dx ? p->dx : p->p;
+    cloth_contact_product_args c = contact_args(sim, p, x);
     CLOTH_LAUNCH(sim, p, contact_product, p->contact_count, &c, err);
-    cloth_pcg_product_args a = {.rows = {p->row_first, p->row_col, p->row_val},
-                                .first = p->v0,
-                                .count = p->v1 - p->v0,
-                                .contact_first = p->contact_count > 0 ? p->contact_first : NULL,
-                                .contact_entry = p->contact_entry,
-                                .contact_weight = p->contact_weight,
-                                .contact_q = p->contact_q,
-                                .x = x,
-                                .q = p->q,
-                                .partial = p->partial};
+    cloth_pcg_product_args a = product_args(p, x, of_dx ? NULL : done_flag(p));
     CLOTH_LAUNCH(sim, p, pcg_product, cloth_part_chunks(p), &a, err);
   }
   return CLOTH_OK;
@@ -75,7 +127,7 @@ static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
   if (sim->aggregates == 0 || sim->iteration > 0) return CLOTH_OK;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_coarse_chunk_args a = {.rows = {p->row_first, p->row_col, p->row_val},
+    cloth_coarse_chunk_args a = {.rows = {p->row_first, p->row_col, p->row_val, p->row_widest},
                                  .first = p->v0,
                                  .count = p->v1 - p->v0,
                                  .cloth_vertices = sim->vertex_count,
@@ -89,14 +141,19 @@ static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
                                  .contact_tangent = p->contact_tangent,
                                  .slice = p->slice};
     CLOTH_LAUNCH(sim, p, coarse_chunk, cloth_part_chunks(p), &a, err);
+    cloth_levels_chunk_args l = {a, p->run_inverse, p->chunk_inverse};
+    if (p->run_inverse) CLOTH_LAUNCH(sim, p, levels_chunk, cloth_part_chunks(p), &l, err);
   }
   size_t row = sizeof(cloth_real) * 9 * (size_t)sim->aggregates;
   CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, slice), true, row, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_coarse_factor_args a = {sim->chunks, sim->aggregates, p->slice,
-                                  p->lower,    p->upper,        p->usable};
-    CLOTH_LAUNCH(sim, p, coarse_factor, 1, &a, err);
+    cloth_coarse_sum_args m = {sim->chunks, sim->aggregates, p->slice, p->factor};
+    CLOTH_LAUNCH(sim, p, coarse_sum, sim->aggregates, &m, err);
+    cloth_coarse_factor_args f = {sim->aggregates, p->factor, p->usable};
+    CLOTH_LAUNCH(sim, p, coarse_factor, 1, &f, err);
+    cloth_coarse_inverse_args a = {sim->aggregates, p->factor, p->usable, p->inverse};
+    CLOTH_LAUNCH(sim, p, coarse_inverse, 3 * sim->aggregates, &a, err);
   }
   return CLOTH_OK;
 }
@@ -106,15 +163,12 @@ static cloth_status beta(cloth_sim *sim, int start, cloth_error *err)
   CLOTH_TRY(exchange_partial(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_coarse_solve_args c = {sim->chunks, sim->aggregates, p->partial, p->lower, p->upper,
-                                 p->usable,   p->coarse_rest,  p->coarse,  p->scalar};
-    if (sim->aggregates > 0) CLOTH_LAUNCH(sim, p, coarse_solve, 1, &c, err);
-    cloth_pcg_beta_args a = {.chunks = sim->chunks,
-                             .start = start,
-                             .tolerance = (cloth_real)sim->params.pcg_tolerance,
-                             .first = sim->iteration == 0,
-                             .partial = p->partial,
-                             .scalar = p->scalar};
+    const cloth_real *done = start ? NULL : done_flag(p);
+    cloth_coarse_rest_args r = rest_args(sim, p, done);
+    CLOTH_LAUNCH(sim, p, coarse_rest, sim->aggregates, &r, err);
+    cloth_coarse_solve_args c = coarse_args(sim, p, done);
+    CLOTH_LAUNCH(sim, p, coarse_solve, 3 * sim->aggregates, &c, err);
+    cloth_pcg_beta_args a = beta_args(sim, p, start);
     CLOTH_LAUNCH(sim, p, pcg_beta, 1, &a, err);
   }
   return CLOTH_OK;
@@ -131,7 +185,6 @@ static cloth_status direction(cloth_sim *sim, cloth_error *err)
 
 static cloth_status start(cloth_sim *sim, cloth_error *err)
 {
-  CLOTH_TRY(coarsen(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_pcg_start_args a = {vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_start, cloth_part_chunks(&sim->part[i]), &a, err);
@@ -156,7 +209,7 @@ static cloth_status iterate(cloth_sim *sim, cloth_error *err)
 }
 
 // the true residual, and the reactions of held rows in r
-static cloth_status residual(cloth_sim *sim, double bb, double *relative, cloth_error *err)
+static cloth_status residual(cloth_sim *sim, cloth_error *err)
 {
   CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, dx), false, 3 * sizeof(cloth_real), err));
   CLOTH_TRY(product(sim, true, err));
@@ -164,51 +217,80 @@ static cloth_status residual(cloth_sim *sim, double bb, double *relative, cloth_
     cloth_pcg_residual_args a = {vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_residual, cloth_part_chunks(&sim->part[i]), &a, err);
   }
-  CLOTH_TRY(exchange_partial(sim, err));
-  CLOTH_TRY(cloth_staging(sim, CLOTH_PCG_PARTIALS * (size_t)sim->chunks, err));
-  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].partial,
-                               sizeof(cloth_real) * CLOTH_PCG_PARTIALS * (size_t)sim->chunks, err));
-  double rr = 0;
-  for (int c = 0; c < sim->chunks; c++) rr += (double)sim->host[CLOTH_PCG_PARTIALS * c];
-  *relative = bb > 0 ? sqrt(rr / bb) : 0;
-  return CLOTH_OK;
+  return exchange_partial(sim, err);
 }
 
-// x += dx on every part; the largest correction
-static cloth_status correct(cloth_sim *sim, double *correction, cloth_error *err)
+// x += dx on every part, and the numbers that the host asks for
+static cloth_status correct(cloth_sim *sim, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     cloth_correct_args a = {0, sim->vertex_count, p->dx, p->x, p->largest};
     CLOTH_LAUNCH(sim, p, correct, sim->chunks, &a, err);
   }
-  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].largest,
-                               sizeof(cloth_real) * (size_t)sim->chunks, err));
-  *correction = 0;
-  for (int c = 0; c < sim->chunks; c++)
-    if (!((double)sim->host[c] <= *correction)) *correction = (double)sim->host[c];
+  cloth_part *p = &sim->part[0];
+  cloth_pcg_finish_args f = {sim->chunks, p->partial, p->largest, p->scalar};
+  return cloth_launch(sim, p, CLOTH_KERNEL_pcg_finish, 1, &f, err);
+}
+
+static cloth_status read_scalars(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
+                                 cloth_error *err)
+{
+  return sim->backend->read(sim->part[0].device, scalar, sim->part[0].scalar,
+                            sizeof(cloth_real) * CLOTH_PCG_SCALARS, err);
+}
+
+// Launch by launch. The host looks at the flag after batches; iterations past the end change
+// nothing.
+static cloth_status iterate_all(cloth_sim *sim, cloth_error *err)
+{
+  int most = sim->params.pcg_iterations_max, batch = sim->backend->run_ahead;
+  CLOTH_TRY(start(sim, err));
+  for (int k = 0; k < most;) {
+    cloth_real scalar[CLOTH_PCG_SCALARS];
+    CLOTH_TRY(read_scalars(sim, scalar, err));
+    if (scalar[CLOTH_PCG_DONE] > 0) break;
+    for (int end = most - k < batch ? most : k + batch; k < end; k++) CLOTH_TRY(iterate(sim, err));
+  }
   return CLOTH_OK;
+}
+
+// The same in one call, where the backend can and there is nothing to exchange.
+static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
+{
+  cloth_part *p = &sim->part[0];
+  const cloth_real *done = done_flag(p);
+  cloth_pcg_solve_args a = {.v = vectors(sim, p),
+                            .contact = contact_args(sim, p, p->p),
+                            .contacts = p->contact_count,
+                            .product = product_args(p, p->p, done),
+                            .rest = rest_args(sim, p, done),
+                            .coarse = coarse_args(sim, p, done),
+                            .beta = beta_args(sim, p, 1),
+                            .iterations_max = sim->params.pcg_iterations_max};
+  sim->launches++;
+  return sim->backend->solve(p->device, &a, err);
 }
 
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
 {
   cloth_real scalar[CLOTH_PCG_SCALARS];
-  CLOTH_TRY(start(sim, err));
-  for (int k = 0; k < sim->params.pcg_iterations_max; k++) {
-    CLOTH_TRY(
-        sim->backend->read(sim->part[0].device, scalar, sim->part[0].scalar, sizeof scalar, err));
-    if (scalar[CLOTH_PCG_DONE] > 0) break;
-    CLOTH_TRY(iterate(sim, err));
-  }
-  CLOTH_TRY(
-      sim->backend->read(sim->part[0].device, scalar, sim->part[0].scalar, sizeof scalar, err));
-  double relative;
-  CLOTH_TRY(residual(sim, (double)scalar[CLOTH_PCG_BB], &relative, err));
+  CLOTH_TRY(coarsen(sim, err));
+  if (sim->part_count == 1 && sim->backend->solve != NULL)
+    CLOTH_TRY(solve_at_once(sim, err));
+  else
+    CLOTH_TRY(iterate_all(sim, err));
+  CLOTH_TRY(residual(sim, err));
+  CLOTH_TRY(correct(sim, err));
+  CLOTH_TRY(read_scalars(sim, scalar, err));
 
+  double bb = (double)scalar[CLOTH_PCG_BB], rr = (double)scalar[CLOTH_PCG_RESIDUAL];
+  double relative = bb > 0 ? sqrt(rr / bb) : 0;
   cloth_step_report *report = sim->report;
   report->newton_iterations++;
   report->pcg_iterations += (int)scalar[CLOTH_PCG_ITERATIONS];
   report->pcg_unconverged += !(scalar[CLOTH_PCG_DONE] > 0);
   if (!(relative <= report->pcg_residual)) report->pcg_residual = relative;
-  return correct(sim, correction, err);
+  *correction = (double)scalar[CLOTH_PCG_LARGEST];
+  return CLOTH_OK;
 }

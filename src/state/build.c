@@ -17,19 +17,6 @@ enum { AGGREGATES_MAX = 96 }; // a dense factor of 288 rows
 
 // ---- devices and parts --------------------------------------------------------------------------
 
-static cloth_status choose_backend(cloth_sim *sim, cloth_error *err)
-{
-  const char *name = sim->def->backend;
-  if (strcmp(name, "shuffle") == 0)
-    sim->backend = cloth_backend_shuffle(1);
-  else if (strcmp(name, "cpu") == 0 || strcmp(name, "auto") == 0 || name[0] == 0)
-    sim->backend = cloth_backend_cpu();
-  else
-    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "backend '%s' is not in this build: auto, cpu, shuffle",
-               name);
-  return CLOTH_OK;
-}
-
 // parts own whole chunks, so that sums over chunks do not depend on the cut
 static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
 {
@@ -38,7 +25,7 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
   for (int p = 0; p < parts; p++) {
     cloth_part *part = &sim->part[p];
     int index = sim->def->device[p];
-    if (index < 0 || index >= sim->backend->device_count())
+    if (index < 0 || (index >= sim->backend->device_count() && sim->backend->device_count() > 0))
       CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "device %d is not in [0, %d) of backend %s", index,
                  sim->backend->device_count(), sim->backend->name);
     part->index = p;
@@ -50,6 +37,8 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
     sim->part_count = p + 1;
     CLOTH_TRY(sim->backend->event_new(part->device, &part->ready, err));
     CLOTH_TRY(sim->backend->event_new(part->device, &part->sent, err));
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->stage_begin, err));
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->stage_end, err));
   }
   return CLOTH_OK;
 }
@@ -91,9 +80,14 @@ static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *er
 static cloth_status take_coarse(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   int n = 3 * sim->aggregates;
+  int runs = sim->chunks * (CLOTH_CHUNK / CLOTH_RUN);
+  if (sim->params.preconditioner > 1) {
+    CLOTH_TRY(take_reals(sim, p, "run_inverse", runs, 6, &p->run_inverse, err));
+    CLOTH_TRY(take_reals(sim, p, "chunk_inverse", sim->chunks, 6, &p->chunk_inverse, err));
+  }
   CLOTH_TRY(take_reals(sim, p, "slice", sim->chunks, 3 * n, &p->slice, err));
-  CLOTH_TRY(take_reals(sim, p, "lower", n, n, &p->lower, err));
-  CLOTH_TRY(take_reals(sim, p, "upper", n, n, &p->upper, err));
+  CLOTH_TRY(take_reals(sim, p, "factor", n, n, &p->factor, err));
+  CLOTH_TRY(take_reals(sim, p, "inverse", n, n, &p->inverse, err));
   CLOTH_TRY(take_reals(sim, p, "usable", 1, 1, &p->usable, err));
   CLOTH_TRY(take_reals(sim, p, "coarse_rest", n, 1, &p->coarse_rest, err));
   return take_reals(sim, p, "coarse", n, 1, &p->coarse, err);
@@ -178,7 +172,7 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_vertices(sim, p, err));
   // worth it when there is something stiff to solve and more than a patch of it
   bool coarse =
-      sim->params.preconditioner == 1 && sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
+      sim->params.preconditioner > 0 && sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
   sim->aggregates = !coarse ? 0 : sim->chunks < AGGREGATES_MAX ? sim->chunks : AGGREGATES_MAX;
   if (coarse) CLOTH_TRY(take_coarse(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
@@ -206,6 +200,8 @@ void cloth_sim_free(void *data)
     free(part->block);
     sim->backend->event_free(part->ready);
     sim->backend->event_free(part->sent);
+    sim->backend->event_free(part->stage_begin);
+    sim->backend->event_free(part->stage_end);
   }
   for (int p = 0; p < sim->part_count; p++) sim->backend->close(sim->part[p].device);
   for (int h = 0; h < sim->hold_capacity; h++) {
@@ -230,15 +226,17 @@ static int bits_for(int n)
   return bits;
 }
 
-cloth_status cloth_sim_new(const cloth_def *def, void **out, cloth_error *err)
+static cloth_status build(const cloth_def *def, const cloth_backend *backend, const char *why,
+                          cloth_sim **out, cloth_error *err)
 {
   cloth_sim *sim = calloc(1, sizeof *sim);
   if (sim == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "scene");
   sim->def = def;
   sim->params = def->params;
   sim->owner = CLOTH_CORE;
+  sim->backend = backend;
+  snprintf(sim->backend_why, sizeof sim->backend_why, "%s", why);
   cloth_status status;
-  CLOTH_TRY_GOTO(choose_backend(sim, err), status, fail);
   CLOTH_TRY_GOTO(cloth_number(sim, err), status, fail);
   CLOTH_TRY_GOTO(cloth_topology_build(sim, err), status, fail);
   int edges = sim->all_edges, vertices = sim->all_vertices, triangles = sim->all_triangles;
@@ -261,3 +259,46 @@ fail:
   cloth_sim_free(sim);
   return status;
 }
+
+// `auto`: the GPU where there is one that can hold the scene, else the CPU and why
+static cloth_status build_auto(const cloth_def *def, cloth_sim **out, cloth_error *err)
+{
+  const cloth_backend *cuda = cloth_backend_cuda();
+  if (def->devices_are_cpu) return build(def, cloth_backend_cpu(), "devices are cpu", out, err);
+  if (cuda == NULL)
+    return build(def, cloth_backend_cpu(), "this build has no CUDA backend", out, err);
+  cloth_error refused = {0};
+  cloth_device *probe = NULL; // cheap, where there is no GPU
+  cloth_status status = cuda->open(def->device[0], 0, &probe, &refused);
+  cuda->close(probe);
+  if (status == CLOTH_OK) status = build(def, cuda, "a GPU is there", out, &refused);
+  bool device =
+      status == CLOTH_UNSUPPORTED || status == CLOTH_NO_MEMORY || status == CLOTH_DEVICE_LOST;
+  if (device) return build(def, cloth_backend_cpu(), refused.text, out, err);
+  if (status != CLOTH_OK)
+    return cloth_fail(err, status, refused.file, refused.line, "%s", refused.text);
+  return CLOTH_OK;
+}
+
+cloth_status cloth_sim_new(const cloth_def *def, void **out, cloth_error *err)
+{
+  const char *name = def->backend, *asked = "asked for";
+  cloth_sim *sim = NULL;
+  cloth_status status;
+  if (strcmp(name, "shuffle") == 0)
+    status = build(def, cloth_backend_shuffle(1), asked, &sim, err);
+  else if (strcmp(name, "cpu") == 0)
+    status = build(def, cloth_backend_cpu(), asked, &sim, err);
+  else if (strcmp(name, "cuda") != 0)
+    status = build_auto(def, &sim, err);
+  else if (cloth_backend_cuda() == NULL)
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "backend cuda is not in this build: nvcc was not found");
+  else
+    status = build(def, cloth_backend_cuda(), asked, &sim, err);
+  if (status == CLOTH_OK) *out = sim;
+  return status;
+}
+
+const char *cloth_sim_backend(const void *sim) { return ((const cloth_sim *)sim)->backend->name; }
+
+const char *cloth_sim_backend_why(const void *sim) { return ((const cloth_sim *)sim)->backend_why; }

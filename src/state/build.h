@@ -5,6 +5,8 @@
 
 cloth_status cloth_sim_new(const cloth_def *def, void **out, cloth_error *err);
 void cloth_sim_free(void *sim);
+const char *cloth_sim_backend(const void *sim);
+const char *cloth_sim_backend_why(const void *sim);
 cloth_status cloth_sim_reset(void *sim, cloth_error *err);
 
 /// Internal numbering, rest shape, masses and body ranges (state/number.c). Host arrays only.

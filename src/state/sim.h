@@ -112,7 +112,7 @@ typedef struct cloth_part {
   cloth_real *contact_weight, *contact_normal, *contact_distance, *contact_thickness, *contact_k,
       *contact_mu, *contact_force, *contact_tangent, *contact_pressure, *contact_q;
   uint64_t *contact_row, *contact_row_spare;
-  uint32_t *contact_entry, *contact_entry_spare, *contact_first;
+  uint32_t *contact_entry, *contact_entry_spare, *contact_place, *contact_first;
   uint32_t contact_capacity;
   int contact_count;
 
@@ -129,17 +129,19 @@ typedef struct cloth_part {
   cloth_zone_part zone;
 
   // solve
-  int row_slots; // slots of all groups
+  int row_slots, row_widest; // slots of all groups, of the longest row
   int *row_first, *row_col;
   cloth_real *row_val;
   cloth_real *b, *dx, *r, *z, *p, *q; // [n x 3]
   cloth_real *inverse_diagonal;       // [n x 6]
   cloth_real *partial, *scalar;
-  cloth_real *slice, *lower, *upper, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
+  cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
+  cloth_real *run_inverse, *chunk_inverse;                            // levels_chunk.h
   cloth_real *commit, *largest;  // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
   cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
   cloth_real *box_of_chunk;      // [chunks x 6] m
   cloth_event *ready, *sent;
+  cloth_event *stage_begin, *stage_end; // with the parameter `profile`
 } cloth_part;
 
 /// Tables of contact/flat.c: how many tiles and nodes, and where each level's nodes begin.
@@ -179,6 +181,7 @@ struct cloth_sim {
   const cloth_def *def; // borrowed from the front
   cloth_params params;
   const cloth_backend *backend;
+  char backend_why[200];
   int part_count;
   cloth_part part[CLOTH_DEVICES_MAX];
 

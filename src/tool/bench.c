@@ -36,6 +36,7 @@ typedef struct figures {
   uint64_t hash;                                                        // after the last step
   int differing;                                                        // repeats with another hash
   double time_step;                                                     // s
+  const char *backend;                                                  // that ran it
 } figures;
 
 // ---- timing ------------------------------------------------------------------------------------
@@ -130,7 +131,7 @@ static void print_csv_row(const bench *b, const cloth_def *def, const char *name
                           double middle, double least, double most, const figures *f)
 {
   fprintf(b->csv, "%s,%s,%s,%d,%d,%.9g,%" PRId64 ",%" PRId64 ",%" PRId64 ",%s,%.4f,%.4f,%.4f,",
-          name, def->backend, def->precision, def->device_count, def->params.threads, f->time_step,
+          name, f->backend, def->precision, def->device_count, def->params.threads, f->time_step,
           b->warmup, b->steps, b->repeats, row_name(row), middle, least, most);
   fprintf(b->csv, "%d,%d,%.1f,%.1f,%.1f,%.3f,%.2f,%.3g,%d,%.5f,%d\n", f->last.vertices,
           f->last.triangles, f->pairs, f->contacts_self, f->contacts_body, f->substeps,
@@ -141,7 +142,7 @@ static void print_figures(const bench *b, const cloth_def *def, const char *name
 {
   printf("%s: %d vertices, %d triangles, %s, %s, parts %d, %" PRId64 " steps of %.4g s x %" PRId64
          " after %" PRId64 "\n",
-         name, f->last.vertices, f->last.triangles, def->backend, def->precision, def->device_count,
+         name, f->last.vertices, f->last.triangles, f->backend, def->precision, def->device_count,
          b->steps, f->time_step, b->repeats, b->warmup);
   printf("  mean of a step: %.0f pairs, %.0f + %.0f contacts (cloth + body), %.1f iterations, %.2f "
          "substeps\n",
@@ -197,6 +198,7 @@ static int bench_scene(const bench *b, const tool_arguments *args, const char *p
       char name[128];
       name_of(path, name, sizeof name);
       f->time_step = cloth_def_params(def)->time_step;
+      f->backend = cloth_backend_of(scene);
       print_figures(b, def, name, f);
     }
     free(f);

@@ -171,8 +171,8 @@ static int info_main(const tool_arguments *args, cloth_error *err)
   if (status == CLOTH_OK) status = cloth_scene_new(def, &scene, err);
   if (status == CLOTH_OK) {
     printf("scene %s\n", def->name[0] ? def->name : args->operand[0]);
-    printf("  backend %s, precision %s, parts %d\n", def->backend, def->precision,
-           def->device_count);
+    printf("  backend %s (%s), precision %s, parts %d\n", cloth_backend_of(scene),
+           cloth_backend_why(scene), def->precision, def->device_count);
     if (def->duration > 0) printf("  duration %.6g s\n", def->duration);
     for (int i = 0; i < def->cloth_count; i++) print_cloth(&def->cloth[i]);
     for (int i = 0; i < def->body_count; i++) print_body(&def->body[i]);

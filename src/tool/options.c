@@ -10,8 +10,8 @@
 
 const tool_option tool_scene_options[] = {
     {"variant", "LIST", "variants of the scene file, and VARIABLE=VALUE, e.g. small,speed=4"},
-    {"backend", "NAME", "auto, cpu or shuffle"},
-    {"devices", "LIST", "one device for each part, e.g. cpu,cpu"},
+    {"backend", "NAME", "auto, cpu, cuda or shuffle"},
+    {"devices", "LIST", "one device for each part, e.g. cpu,cpu or 0,0"},
     {"precision", "NAME", "float or double"},
     {"threads", "N", "CPU threads; 0 takes what OpenMP finds"},
     {"set", "NAME=VALUE",

@@ -225,6 +225,22 @@ static inline void sheet_masses(const sheet *s, double density, double *mass)
   }
 }
 
+/// Is there a GPU to run on? A scene of one triangle is asked.
+static inline bool cuda_is_there(void)
+{
+  static sheet s;
+  cloth_error err = {0};
+  cloth_scene *scene = NULL;
+  sheet_make(&s, 1, 1, 2, 2);
+  cloth_def *def = def_new("float");
+  def_set(def, "backend", "cuda");
+  def_cloth(def, "probe", &s, cloth_material_default(), pose_at(0, 0, 0));
+  bool there = cloth_scene_new(def, &scene, &err) == CLOTH_OK;
+  if (!there) printf("  no GPU: %s\n", err.text);
+  cloth_scene_free(scene), cloth_def_free(def);
+  return there;
+}
+
 // ---- both precisions ----------------------------------------------------------------------------
 
 typedef int precision_test(const char *precision);

@@ -300,9 +300,31 @@ static int replayed(const char *precision)
 }
 BOTH(a_recording_replays_bit_for_bit, replayed)
 
+// a GPU, its parts, and what they share with a CPU
+static int on_gpu(const char *precision)
+{
+  static const char *const devices[] = {"0", "0,0", "0,0,0,0"};
+  for (int i = 0; i < 3; i++) {
+    how h = {precision, "cuda", devices[i], "1", i == 1, false};
+    if (compare(precision, &h)) return 1;
+  }
+  return 0;
+}
+BOTH(a_gpu_gives_the_bits_of_a_cpu_in_any_number_of_parts, on_gpu)
+
+static int gpu_twice(const char *precision)
+{
+  uint64_t first[STEPS], second[STEPS];
+  how h = {precision, "cuda", "0", "1", false, false};
+  run(&h, first, NULL), run(&h, second, NULL);
+  return same("the second run", first, second);
+}
+BOTH(two_runs_on_a_gpu_give_the_same_bits, gpu_twice)
+
 int main(int argc, char **argv)
 {
   int failures = 0;
+  bool gpu = cuda_is_there();
   RUN(the_scene_has_contact_of_both_kinds_and_cut_steps);
   RUN(two_runs_give_the_same_bits);
   RUN(any_number_of_threads_gives_the_same_bits);
@@ -313,5 +335,7 @@ int main(int argc, char **argv)
   RUN(a_run_after_a_reset_gives_the_bits_of_the_first);
   RUN(a_run_continued_from_a_file_gives_the_same_bits);
   RUN(a_recording_replays_bit_for_bit);
+  RUN_ON(gpu, two_runs_on_a_gpu_give_the_same_bits);
+  RUN_ON(gpu, a_gpu_gives_the_bits_of_a_cpu_in_any_number_of_parts);
   return failures > 0;
 }

@@ -96,7 +96,7 @@ static int bad_settings_change_nothing(void)
       {"device", "cpu", "the nearest is 'devices'"},
       {"", "1", "unknown name ''"},
       {"thickness", "1", "thickness = 1 [m] is not in [1e-05, 0.05]"},
-      {"backend", "gpu", "backend = 'gpu' is not one of auto, cpu, shuffle; the nearest is 'cpu'"},
+      {"backend", "gpu", "backend = 'gpu' is not one of auto, cpu, cuda, shuffle; the nearest is 'cpu'"},
       {"precision", "duoble", "the nearest is 'double'"},
       {"devices", "", "'' is neither 'cpu' nor a device index"},
       {"devices", "cpu,", "is neither"},

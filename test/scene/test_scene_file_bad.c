@@ -49,7 +49,7 @@ static const row rows[] = {
     {"name: "
      "0123456789012345678901234567890123456789012345678901234567890123456789\n",
      1, "name", "longer than 63 characters"},
-    {"backend: gpu\n", 1, "backend", "'gpu' is not one of auto, cpu, shuffle; the nearest is 'cpu'"},
+    {"backend: gpu\n", 1, "backend", "'gpu' is not one of auto, cpu, cuda, shuffle; the nearest is 'cpu'"},
     {"backend: {cpu: 1}\n", 1, "backend", "expected text, found a mapping"},
     {"precision: single\n", 1, "precision", "is not one of float, double"},
     {"devices: []\n", 1, "devices", "expected a list of at least 1, found a list of 0"},

@@ -1,0 +1,46 @@
+// What the files of the CUDA backend share. Private to kernels/cuda.
+#pragma once
+
+#include "backend.h"
+
+#include <cuda_runtime_api.h>
+
+struct cloth_device {
+  int index;
+  cudaStream_t stream[CLOTH_QUEUE_COUNT];
+  void *pinned;  // staging of reads and writes, PINNED_BYTES
+  void *scratch; // of sort, scan and solve: grown, kept
+  size_t scratch_bytes;
+  int multiprocessors;
+  size_t shared_bytes; // most a block may ask for
+  int solve_blocks;    // of a cooperative launch; 0: not asked yet
+};
+
+struct cloth_event {
+  cudaEvent_t event;
+  int device;
+};
+
+/// A CUDA error as a status: CLOTH_NO_MEMORY, CLOTH_DEVICE_LOST, CLOTH_UNSUPPORTED or
+/// CLOTH_INTERNAL.
+cloth_status cloth_cuda_fail(cudaError_t e, const char *what, const char *file, int line,
+                             cloth_error *err);
+
+/// Call the runtime; on failure return the status.
+#define CUDA_TRY(err, call)                                                                        \
+  do {                                                                                             \
+    cudaError_t e_ = (call);                                                                       \
+    if (e_ != cudaSuccess) return cloth_cuda_fail(e_, #call, __FILE__, __LINE__, err);             \
+  } while (0)
+
+/// Scratch memory of at least this size; contents are lost. In order with COMPUTE.
+cloth_status cloth_cuda_scratch(cloth_device *d, size_t bytes, void **out, cloth_error *err);
+
+/// The table's entries that live in other files.
+cloth_status cloth_cuda_launch(cloth_device *d, cloth_kernel k, int n, const void *args,
+                               cloth_error *err);
+cloth_status cloth_cuda_sort(cloth_device *d, int n, int bits, uint64_t *key, uint32_t *value,
+                             uint64_t *key_spare, uint32_t *value_spare, cloth_error *err);
+cloth_status cloth_cuda_scan(cloth_device *d, int n, uint32_t *array, cloth_error *err);
+cloth_status cloth_cuda_solve(cloth_device *d, const struct cloth_pcg_solve_args *args,
+                              cloth_error *err);

@@ -1,0 +1,125 @@
+// Sums by the threads of a block, along the trees of chunk.h: the bits of the loops.
+#pragma once
+
+#include "chunk.h"
+#include "pcg.h"
+
+enum { CLOTH_WARP = 32, CLOTH_CHUNK_SHARED = CLOTH_PCG_PARTIALS * CLOTH_WARP };
+
+/// The sum of 32 lanes, on lane 0.
+static __device__ __forceinline__ cloth_real cloth_warp_sum(cloth_real v)
+{
+  for (int width = CLOTH_WARP / 2; width > 0; width /= 2)
+    v += __shfl_down_sync(0xffffffffu, v, (unsigned)width);
+  return v;
+}
+
+/// The larger of 32 lanes, on lane 0; NaN if any is.
+static __device__ __forceinline__ cloth_real cloth_warp_larger(cloth_real v)
+{
+  for (int width = CLOTH_WARP / 2; width > 0; width /= 2)
+    v = cloth_larger(v, __shfl_down_sync(0xffffffffu, v, (unsigned)width));
+  return v;
+}
+
+/// The two warps of a chunk wait for each other; those of other chunks in the block go on. Numbers
+/// of barriers are written out, because a block that names one at run time reserves all sixteen,
+/// and a multiprocessor then holds four blocks.
+static __device__ __forceinline__ void cloth_chunk_barrier(void)
+{
+#ifdef CLOTH_CHUNK_A_BLOCK
+  __syncthreads();
+#else
+  switch (threadIdx.x / CLOTH_CHUNK) {
+  case 0:
+    asm volatile("bar.sync 1, 64;" ::: "memory");
+    break;
+  case 1:
+    asm volatile("bar.sync 2, 64;" ::: "memory");
+    break;
+  case 2:
+    asm volatile("bar.sync 3, 64;" ::: "memory");
+    break;
+  default:
+    asm volatile("bar.sync 4, 64;" ::: "memory");
+    break;
+  }
+#endif
+}
+
+/// Sums of F numbers over each chunk of a block: 64 neighbouring threads are a chunk, and all of
+/// them must come here. On the chunk's first thread. shared [chunks x CLOTH_CHUNK_SHARED], in a
+/// block of one chunk [F x 32].
+template <int F>
+static __device__ __forceinline__ void cloth_block_chunk_sums(cloth_real (&v)[F],
+                                                              cloth_real *shared)
+{
+  int lane = (int)threadIdx.x % CLOTH_CHUNK, chunk = (int)threadIdx.x / CLOTH_CHUNK;
+  cloth_real *upper =
+      shared + chunk * CLOTH_CHUNK_SHARED + lane % CLOTH_WARP; // of this chunk alone
+  cloth_chunk_barrier(); // `upper` may still be read from the last time
+  if (lane >= CLOTH_WARP)
+    for (int f = 0; f < F; f++) upper[f * CLOTH_WARP] = v[f];
+  cloth_chunk_barrier();
+  if (lane < CLOTH_WARP)
+    for (int f = 0; f < F; f++) v[f] = cloth_warp_sum(v[f] + upper[f * CLOTH_WARP]);
+}
+
+/// z of vertex k from its r and its sums, for the chunk of 64 neighbouring threads; the partial
+/// sums of the chunk in sum, on the chunk's first thread. cloth_pcg_chunk_finish() by threads.
+/// Every thread of the chunk must come here; r is zero where `there` is false. shared [chunks x
+/// CLOTH_CHUNK_SHARED].
+static __device__ __forceinline__ void cloth_block_z(const cloth_pcg_vectors *v, int k, bool there,
+                                                     cloth_v3 r,
+                                                     cloth_real (&sum)[CLOTH_PCG_PARTIALS],
+                                                     cloth_real *shared)
+{
+  cloth_real total[3] = {r.x, r.y, r.z}, run[3] = {r.x, r.y, r.z}, terms[2] = {0, 0};
+  int first = (int)threadIdx.x % CLOTH_WARP / CLOTH_RUN * CLOTH_RUN;
+  cloth_real *told = shared + (int)threadIdx.x / CLOTH_CHUNK * CLOTH_CHUNK_SHARED;
+  cloth_block_chunk_sums(total, shared);
+  cloth_chunk_barrier();
+  if (threadIdx.x % CLOTH_CHUNK == 0)
+    for (int f = 0; f < 3; f++) told[f] = total[f];
+  cloth_chunk_barrier();
+  for (int f = 0; f < 3; f++) {
+    total[f] = told[f];
+    for (int width = CLOTH_RUN / 2; width > 0; width /= 2)
+      run[f] += __shfl_down_sync(0xffffffffu, run[f], (unsigned)width);
+    run[f] = __shfl_sync(0xffffffffu, run[f], first);
+  }
+  if (there) {
+    cloth_v3 z = cloth_pcg_z(k, v, r, cloth_v3_make(run[0], run[1], run[2]),
+                             cloth_v3_make(total[0], total[1], total[2]));
+    cloth_v3_store(v->z, k, z);
+    terms[0] = cloth_v3_dot(r, z), terms[1] = cloth_v3_dot(r, r);
+  }
+  cloth_block_chunk_sums(terms, shared);
+  sum[0] = terms[0], sum[1] = terms[1];
+  for (int f = 0; f < 3; f++) sum[2 + f] = total[f];
+}
+
+/// cloth_partial_sum() of fields 0 .. F - 1 by a block of CLOTH_PCG_LANES threads, on thread 0.
+/// shared [CLOTH_PCG_LANES / 2]. Every thread of the block must come here.
+template <int F>
+static __device__ __forceinline__ void cloth_block_partial_sums(const cloth_real *partial,
+                                                                int chunks, cloth_real (&sum)[F],
+                                                                cloth_real *shared)
+{
+  enum { WARPS = CLOTH_PCG_LANES / CLOTH_WARP };
+  int l = (int)threadIdx.x, lane = l % CLOTH_WARP, warp = l / CLOTH_WARP;
+  for (int f = 0; f < F; f++) sum[f] = 0;
+#pragma unroll 8
+  for (int c = l; c < chunks; c += CLOTH_PCG_LANES)
+    for (int f = 0; f < F; f++) sum[f] += partial[CLOTH_PCG_PARTIALS * c + f];
+  // the tree adds lanes 128, 64, 32 apart first: warp w to warps w + 4, w + 2, w + 1
+  for (int width = WARPS / 2; width > 0; width /= 2)
+    for (int f = 0; f < F; f++) {
+      __syncthreads();
+      if (warp >= width && warp < 2 * width) shared[(warp - width) * CLOTH_WARP + lane] = sum[f];
+      __syncthreads();
+      if (warp < width) sum[f] += shared[warp * CLOTH_WARP + lane];
+    }
+  if (warp == 0)
+    for (int f = 0; f < F; f++) sum[f] = cloth_warp_sum(sum[f]);
+}

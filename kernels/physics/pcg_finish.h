@@ -1,0 +1,20 @@
+// What the host asks after a solve, side by side: one read instead of three. One element.
+#pragma once
+
+#include "pcg.h"
+
+typedef struct cloth_pcg_finish_args {
+  int chunks;                // of all parts
+  const cloth_real *partial; // [chunks x CLOTH_PCG_PARTIALS] field 0: r'r of pcg_residual.h
+  const cloth_real *largest; // [chunks] m, correct.h
+  cloth_real *scalar;        // [CLOTH_PCG_SCALARS], RESIDUAL and LARGEST written
+} cloth_pcg_finish_args;
+
+CLOTH_FN void cloth_pcg_finish(int i, const cloth_pcg_finish_args *a)
+{
+  (void)i;
+  cloth_real largest = 0;
+  for (int c = 0; c < a->chunks; c++) largest = cloth_larger(largest, a->largest[c]);
+  a->scalar[CLOTH_PCG_LARGEST] = largest;
+  a->scalar[CLOTH_PCG_RESIDUAL] = cloth_partial_sum(a->partial, a->chunks, 0);
+}

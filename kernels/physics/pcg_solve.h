@@ -1,0 +1,23 @@
+// One whole solve on one part, for a backend that runs it without coming back to the host after
+// each launch (backend.h, solve). The steps and their order are those of src/solve/pcg.c.
+#pragma once
+
+#include "coarse_rest.h"
+#include "coarse_solve.h"
+#include "contact_product.h"
+#include "pcg_beta.h"
+#include "pcg_direction.h"
+#include "pcg_product.h"
+#include "pcg_start.h"
+#include "pcg_update.h"
+
+typedef struct cloth_pcg_solve_args {
+  cloth_pcg_vectors v;
+  cloth_contact_product_args contact;
+  int contacts;
+  cloth_pcg_product_args product;
+  cloth_coarse_rest_args rest; // with aggregates only
+  cloth_coarse_solve_args coarse;
+  cloth_pcg_beta_args beta; // its `start` is not read
+  int iterations_max;
+} cloth_pcg_solve_args;

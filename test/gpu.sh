@@ -1,0 +1,43 @@
+#!/bin/bash
+# What needs a GPU. BUILD is a build folder, or a folder with `cloth`, its libraries and the test programs side by
+# side, so that a host without compilers or ROS can run it.
+#
+#   gpu.sh BUILD [RESULTS_FOLDER]      with a folder for results: the large scenes too, as CSV
+set -u
+build=$(cd "$1" && pwd) results=${2:-}
+here=$(cd "$(dirname "$0")" && pwd)
+export LD_LIBRARY_PATH=$build${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} OMP_WAIT_POLICY=passive
+failed=0
+
+program() { [ -x "$build/test/$1" ] && echo "$build/test/$1" || echo "$build/$1"; }
+
+run() { # name, then the command; its output counts as failed if it fails, skips or finds an error
+  echo "== $1"
+  shift
+  output=$(timeout 300 "$@" 2>&1)
+  status=$?
+  echo "$output" | grep -E "^(ok|FAIL|skip)|ERROR SUMMARY|RACECHECK SUMMARY|differs" || echo "$output" | tail -5
+  if [ $status -ne 0 ] || echo "$output" | grep -qE "^(FAIL|skip)|SUMMARY: [1-9]"; then failed=$((failed + 1)); fi
+}
+
+for test in backend_cuda_f32 backend_cuda_f64 engine_determinism; do run $test "$(program $test)"; done
+
+if command -v compute-sanitizer >/dev/null; then
+  scene=$here/../config/scenes/drape_sphere.yaml
+  for tool in memcheck initcheck; do
+    run $tool compute-sanitizer --error-exitcode 9 --tool $tool "$build/cloth" run "$scene" --steps 16 --backend cuda \
+      --set preconditioner=multilevel
+  done
+  run racecheck compute-sanitizer --error-exitcode 9 --tool racecheck "$build/cloth" run "$scene" --steps 6 --backend cuda \
+    --set preconditioner=multilevel
+else
+  echo "skip compute-sanitizer: not found"
+fi
+
+if [ -n "$results" ]; then
+  mkdir -p "$results"
+  python3 "$here/bench/scale.py" "$build/cloth" "$results/scale.csv" || failed=$((failed + 1))
+fi
+
+echo "$failed failed"
+[ $failed -eq 0 ]

@@ -44,7 +44,7 @@ CLOTH_PARAM(double, bounds, 100, "m", 1e-3, 1e6, "a vertex farther than this fro
 CLOTH_PARAM(double, thickness, 3e-3, "m", 1e-5, 5e-2, "distance that contact keeps between layers, and between cloth and bodies")
 CLOTH_PARAM(double, contact_stiffness, 8, "1", 1e-2, 1e6, "contact spring in units of vertex mass / step^2")
 CLOTH_PARAM(double, friction, 0.3, "1", 0, 10, "Coulomb coefficient, cloth on cloth")
-CLOTH_PARAM(double, friction_slip_speed, 1e-3, "m/s", 1e-7, 1, "below this slip speed friction is static")
+CLOTH_PARAM(double, friction_elastic_slip, 0.01, "1", 1e-5, 1, "share of the thickness that a contact gives way before it slides")
 CLOTH_PARAM(double, pair_slack, 1e-3, "m", 0, 1e-1, "how far a vertex may stray from its prediction before pairs are searched again")
 CLOTH_PARAM(int, contact_rounds_max, 2, "1", 0, 100, "times that pairs which would pass through become contacts of a further linear system, before impact zones")
 CLOTH_PARAM(int, zone_iterations_max, 10, "1", 0, 1000, "rounds of impact zones before the failsafe holds back what still passes through")

@@ -5,6 +5,7 @@
 #include "chunk.h"
 #include "commit_chunk.h"
 #include "contact/contact.h"
+#include "contact/friction.h"
 #include "effect/effect.h"
 #include "membrane_stretch.h"
 #include "reduce_max.h"
@@ -55,11 +56,14 @@ static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
   double correction = 0;
   sim->owner = CLOTH_CORE;
   for (int n = first; n < last; n++) {
+    bool settled;
     sim->iteration = n;
     STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
     STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
     STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
-    if (correction <= sim->params.newton_tolerance * sim->params.thickness) break;
+    if (!(correction <= sim->params.newton_tolerance * sim->params.thickness)) continue;
+    CLOTH_TRY(cloth_friction_settled(sim, &settled, err)); // contact/friction.c sticks or slides
+    if (settled) break;
   }
   sim->correction = correction;
   CLOTH_TRY(cloth_holds_measure(sim, err));
@@ -171,6 +175,7 @@ static void mean_motion(cloth_sim *sim)
 static cloth_status accept(cloth_sim *sim, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  CLOTH_TRY(cloth_friction_finish(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_copy_local(sim, p, p->x_t0, p->x, bytes, err));
@@ -224,7 +229,7 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
     CLOTH_TRY(
         cloth_copy_local(sim, p, back ? p->v : p->v_saved, back ? p->v_saved : p->v, bytes, err));
   }
-  return CLOTH_OK;
+  return cloth_friction_save(sim, back, err);
 }
 
 static cloth_status measure_stretch(cloth_sim *sim, cloth_error *err)

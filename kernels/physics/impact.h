@@ -14,6 +14,8 @@
 CLOTH_FN int cloth_impact(const cloth_contact_scene *s, uint64_t key, cloth_real gap,
                           const unsigned char *moved, cloth_contact_geometry *g, cloth_real *toi)
 {
+  // an edge cannot cross a flat face of a body but with an end, which a vertex-face pair sees
+  if (cloth_contact_on_seam(s, cloth_pair_unpack(s->format, key))) return 0;
   cloth_pair_vertices(s, key, g);
   if (moved) {
     int any = 0;

@@ -121,3 +121,10 @@ CLOTH_FN cloth_sym3 cloth_sym3_axis(cloth_real a, cloth_real b, cloth_v3 n)
   s.yz = b * n.y * n.z, s.zx = b * n.z * n.x, s.xy = b * n.x * n.y;
   return s;
 }
+
+CLOTH_FN cloth_sym3 cloth_sym3_add(cloth_sym3 a, cloth_sym3 b)
+{
+  a.xx += b.xx, a.yy += b.yy, a.zz += b.zz;
+  a.yz += b.yz, a.zx += b.zx, a.xy += b.xy;
+  return a;
+}

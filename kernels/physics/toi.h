@@ -91,9 +91,14 @@ CLOTH_FN void cloth_toi_normals(const cloth_v3 x[4], int split, cloth_v3 n[2])
     cloth_v3 d = cloth_v3_scale(w[0], cloth_v3_sub(x[1], x[0]));
     d = cloth_v3_add_scaled(d, w[1], cloth_v3_sub(x[2], x[0]));
     d = cloth_v3_add_scaled(d, w[2], cloth_v3_sub(x[3], x[0]));
+    cloth_v3 face = cloth_v3_cross(cloth_v3_sub(x[2], x[1]), cloth_v3_sub(x[3], x[1]));
     n[0] = n[1] = d;
+    // beside a face, but little: the plane of a large face is known far better than the difference
+    cloth_real lean = cloth_v3_dot(face, d);
+    if (lean * lean > (cloth_real)0.81 * cloth_v3_dot(face, face) * cloth_v3_dot(d, d))
+      n[1] = cloth_v3_scale(lean < 0 ? -1 : 1, face);
     if (w[0] > 0 && w[1] > 0 && w[2] > 0)
-      n[0] = cloth_v3_cross(cloth_v3_sub(x[2], x[1]), cloth_v3_sub(x[3], x[1]));
+      n[0] = face, n[1] = d;
     else if (w[0] > 0 && w[1] > 0)
       n[0] = cloth_toi_across(d, cloth_v3_sub(x[2], x[1]));
     else if (w[1] > 0 && w[2] > 0)

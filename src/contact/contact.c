@@ -3,6 +3,7 @@
 // sums.
 #include "contact/contact.h"
 
+#include "contact/friction.h"
 #include "contact/pairs.h"
 #include "contact_build.h"
 #include "contact_count.h"
@@ -137,6 +138,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
                                 .k = p->contact_k,
                                 .mu = p->contact_mu};
   CLOTH_LAUNCH(sim, p, contact_build, p->contact_count, &a, err);
+  CLOTH_TRY(cloth_friction_begin(sim, p, err));
   return index_rows(sim, p, err);
 }
 
@@ -181,10 +183,13 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
                                   .mu = p->contact_mu,
                                   .x_t0 = p->x_t0,
                                   .x = p->x,
-                                  .slip_least =
-                                      (cloth_real)(sim->params.friction_slip_speed * sim->h),
                                   .first_iterate = iteration == 0,
-                                  .friction = sim->active[CLOTH_EFFECT_friction],
+                                  .elastic = p->friction_elastic,
+                                  .trial = p->friction_trial,
+                                  .state = p->friction_state,
+                                  .bound = p->friction_bound,
+                                  .limit = cloth_friction_limit(sim),
+                                  .stiffness = (cloth_real)sim->params.contact_stiffness,
                                   .force = p->contact_force,
                                   .tangent = p->contact_tangent,
                                   .pressure = p->contact_pressure};

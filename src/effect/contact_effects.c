@@ -41,6 +41,6 @@ const cloth_effect cloth_effect_body_contact = {
 
 const cloth_effect cloth_effect_friction = {
     .name = "friction",
-    .source = "Li et al. 2020, Incremental potential contact, section 5: lagged, smoothed Coulomb",
+    .source = "Cundall and Strack 1979: a tangential spring that yields at mu N",
     .wanted = friction_wanted,
 };

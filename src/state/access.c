@@ -1,4 +1,5 @@
 // Reading and writing the state in the order of the file.
+#include "contact/friction.h"
 #include "effect/effect.h"
 #include "state/build.h"
 #include "state/state.h"
@@ -66,6 +67,7 @@ cloth_status cloth_sim_state_set(void *data, int cloth, const double *position,
   cloth_sim *sim = data;
   sim->pairs_valid = false;
   cloth_guess_free_fall(sim);
+  if (position != NULL) cloth_friction_forget(sim); // it is somewhere else now
   if (position != NULL)
     CLOTH_TRY(write_vector(sim, offsetof(cloth_part, x_t0), cloth, position, err));
   if (velocity != NULL) CLOTH_TRY(write_vector(sim, offsetof(cloth_part, v), cloth, velocity, err));
@@ -79,6 +81,7 @@ cloth_status cloth_sim_reset(void *data, cloth_error *err)
   sim->pairs_valid = false;
   sim->time = 0, sim->step = 0, sim->speed_last = 0;
   cloth_guess_free_fall(sim);
+  cloth_friction_forget(sim);
   CLOTH_TRY(cloth_staging(sim, n, err));
   for (size_t i = 0; i < n; i++) sim->host[i] = (cloth_real)sim->rest[i];
   for (int p = 0; p < sim->part_count; p++)

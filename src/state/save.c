@@ -1,6 +1,7 @@
 // Saving, loading and hashing the state. The file: a header, positions and velocities as the engine
-// holds them, bodies, holds, and a checksum over all of it. A run continued from it gives the same
-// bits.
+// holds them, bodies, holds, what friction remembers, and a checksum over all of it. A run
+// continued from it gives the same bits.
+#include "contact/friction.h"
 #include "effect/effect.h"
 #include "state/state.h"
 
@@ -9,14 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char MAGIC[8] = "CLOTHST5";
+static const char MAGIC[8] = "CLOTHST6";
 
 typedef struct file_header {
   char magic[8];
   uint64_t mesh; // digest of vertices and triangles
   double time;
   int64_t step;
-  int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, pad;
+  int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, friction;
   uint64_t body_bytes; // bytes after the vectors
 } file_header;
 
@@ -99,7 +100,8 @@ static void put_hold(writer *w, const cloth_sim *sim, const cloth_hold_state *h)
   put(w, h->ignore, (size_t)sim->def->body_count);
 }
 
-static void put_all(writer *w, cloth_sim *sim, const cloth_real *x)
+static void put_all(writer *w, cloth_sim *sim, const cloth_real *x,
+                    const cloth_friction_entry *friction, int friction_count)
 {
   file_header head;
   memset(&head, 0, sizeof head);
@@ -108,7 +110,7 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x)
   head.real_bytes = sizeof(cloth_real), head.vertices = sim->vertex_count;
   head.bodies = sim->def->body_count, head.holds = sim->hold_count;
   head.cloths = sim->def->cloth_count, head.mean_known = sim->mean_known;
-  head.pins = sim->def->pin_count;
+  head.pins = sim->def->pin_count, head.friction = friction_count;
   put(w, &head, sizeof head);
   put(w, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
   put(w, sim->pin_broken, (size_t)sim->def->pin_count);
@@ -121,6 +123,7 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x)
     put(w, &f, sizeof f);
   }
   for (int h = 0; h < sim->hold_count; h++) put_hold(w, sim, &sim->hold[h]);
+  put(w, friction, sizeof *friction * (size_t)friction_count);
   uint64_t sum = w->sum;
   put(w, &sum, sizeof sum);
 }
@@ -130,14 +133,22 @@ cloth_status cloth_sim_save(void *data, const char *path, cloth_error *err)
   cloth_sim *sim = data;
   cloth_real *x;
   char beside[4096];
-  CLOTH_TRY(read_state(sim, &x, err));
   if (snprintf(beside, sizeof beside, "%s.part", path) >= (int)sizeof beside)
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "state file: the path is longer than %zu characters",
                sizeof beside);
-  writer w = {fopen(beside, "wb"), DIGEST_START, false};
-  if (w.file == NULL)
-    CLOTH_FAIL(err, CLOTH_IO, "cannot write state file %s: %s", path, strerror(errno));
-  put_all(&w, sim, x);
+  cloth_friction_entry *friction;
+  int friction_count;
+  CLOTH_TRY(cloth_friction_read(sim, &friction, &friction_count, err));
+  cloth_status status = read_state(sim, &x, err);
+  writer w = {status == CLOTH_OK ? fopen(beside, "wb") : NULL, DIGEST_START, false};
+  if (w.file == NULL) {
+    int cause = errno;
+    free(friction);
+    CLOTH_TRY(status);
+    CLOTH_FAIL(err, CLOTH_IO, "cannot write state file %s: %s", path, strerror(cause));
+  }
+  put_all(&w, sim, x, friction, friction_count);
+  free(friction);
   if (fclose(w.file) != 0) w.failed = true;
   if (w.failed || rename(beside, path) != 0) {
     int cause = errno;
@@ -244,6 +255,32 @@ static cloth_status load_hold(cloth_sim *sim, reader *r, int index, int *held, c
   return CLOTH_OK;
 }
 
+// are both features of this scene?
+static bool pair_exists(const cloth_sim *sim, uint64_t key)
+{
+  cloth_pair p = cloth_pair_unpack(sim->format, key);
+  if (p.type == CLOTH_VERTEX_FACE) return p.a < sim->all_vertices && p.b < sim->all_triangles;
+  return p.type == CLOTH_EDGE_EDGE && p.a < sim->all_edges && p.b < sim->all_edges;
+}
+
+static cloth_status load_friction(cloth_sim *sim, reader *r, int count, cloth_error *err)
+{
+  size_t bytes = sizeof(cloth_friction_entry) * (size_t)(count > 0 ? count : 0);
+  const void *data = count >= 0 ? take(r, bytes) : NULL;
+  if (data == NULL) CLOTH_FAIL(err, CLOTH_BAD_STATE, "the state file ends inside its contacts");
+  cloth_friction_entry *entry = malloc(bytes + 1); // aligned
+  if (entry == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "friction: %d contacts", count);
+  memcpy(entry, data, bytes);
+  cloth_status status = CLOTH_OK;
+  for (int i = 0; i < count && status == CLOTH_OK; i++)
+    if (!pair_exists(sim, entry[i].key) || (i > 0 && entry[i].key <= entry[i - 1].key))
+      status = cloth_fail(err, CLOTH_BAD_STATE, __FILE__, __LINE__,
+                          "the state file has a contact that cannot be");
+  if (status == CLOTH_OK) status = cloth_friction_write(sim, entry, count, err);
+  free(entry);
+  return status;
+}
+
 static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t size,
                              cloth_error *err)
 {
@@ -264,6 +301,7 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   for (int h = 0; h < sim->hold_count; h++) sim->hold[h].alive = false;
   for (int h = 0; h < head.holds; h++) CLOTH_TRY(load_hold(sim, &r, h, &held, err));
   sim->hold_count = head.holds > sim->hold_count ? head.holds : sim->hold_count;
+  CLOTH_TRY(load_friction(sim, &r, head.friction, err));
   for (int p = 0; p < sim->part_count; p++) {
     cloth_part *part = &sim->part[p];
     CLOTH_TRY(sim->backend->write(part->device, part->x_t0, x, bytes, err));

@@ -108,6 +108,16 @@ typedef struct cloth_part {
   uint32_t *contact_entry, *contact_entry_spare, *contact_first;
   uint32_t contact_capacity;
   int contact_count;
+
+  // friction: of the contacts, and what is kept from substep to substep (contact/friction.c)
+  cloth_real *friction_elastic, *friction_trial; // [contacts x 3] m
+  cloth_real *friction_bound;                    // [contacts] N
+  unsigned char *friction_state;                 // [contacts]
+  uint64_t *kept, *kept_saved;                   // [kept_count] keys, now and before the step
+  cloth_real *kept_slip, *kept_slip_saved;       // [kept_count x 3] m
+  uint32_t friction_capacity, kept_capacity;
+  int kept_count, kept_count_saved;
+
   uint32_t *allowed; // [n] failsafe, see impact_limit.h
   cloth_zone_part zone;
 

@@ -174,7 +174,7 @@ static int slope_holds(const char *precision)
   const double slope = 20 * acos(-1) / 180;
   double speed, way;
   slide(precision, slope, 1.3 * tan(slope), 0, 60, &speed, &way);
-  // static friction is smoothed below friction_slip_speed: what is left is far below 1 mm/s
+  // it sticks: what is left of the start
   CHECK(speed < 1e-3);
   // and the first ten steps: the cloth starts without load, the solve with the guess of a free fall
   CHECK(way < 3e-3);

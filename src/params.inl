@@ -32,6 +32,9 @@ CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver giv
 CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level", "3x3 block Jacobi (P-Cloth), or with a coarse level for pulls along the whole cloth")
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
 
+// models
+CLOTH_CHOICE(bending_model, 2, "hinge|quadratic|shape", "one spring per edge; its constant matrix, the cheapest; or the curvature of each triangle, in which D is the same in every direction")
+
 // world
 CLOTH_VECTOR(gravity, 0, 0, -9.81, "m/s^2", 1e3, "acceleration of free fall, scene frame")
 CLOTH_VECTOR(wind, 0, 0, 0, "m/s", 200, "mean velocity of the air, scene frame")

@@ -106,7 +106,7 @@ void case_end_moment(int mesh, const char *model)
 
 void case_heart_loop(int mesh, double gamma, const char *model)
 {
-  enum { HALF = 60 };
+  enum { HALF = 30 };
   double rigidity = density * G * length * length * length / gamma;
   double depth, half_width, top, rx[HALF + 1], rz[HALF + 1];
   strip_make(&s, (strip_mesh)mesh, length, 2 * HALF, 4, 1);
@@ -118,9 +118,9 @@ void case_heart_loop(int mesh, double gamma, const char *model)
     double at = s.x[3 * v] / length * 2 * HALF - HALF, a = fabs(at);
     int i = a < HALF ? (int)a : HALF - 1;
     double w = a - i, side = at < 0 ? -1 : 1;
-    x[3 * v] = a > HALF ? 0 : side * (rx[i] + w * (rx[i + 1] - rx[i]));
+    x[3 * v] = a > HALF ? 0 : side * length * (rx[i] + w * (rx[i + 1] - rx[i]));
     x[3 * v + 1] = s.x[3 * v + 1];
-    x[3 * v + 2] = a > HALF ? -(a - HALF) * s.h : rz[i] + w * (rz[i + 1] - rz[i]);
+    x[3 * v + 2] = a > HALF ? -(a - HALF) * s.h : length * (rz[i] + w * (rz[i + 1] - rz[i]));
   }
   must(cloth_state_set(scene, 0, x, NULL, s.vertices, &err), &err);
   strip_hold(&s, scene, 0, 1, &rigid);

@@ -93,9 +93,9 @@ cloth_scene *strip_scene(const strip *s, cloth_material material, const char *gr
   def_set(def, "time_step", "0.05");
   def_set(def, "gravity", gravity);
   def_set(def, "bending_model", model);
-  def_set(def, "newton_iterations_max", "30");
-  def_set(def, "newton_tolerance", "1e-6");
-  def_set(def, "pcg_tolerance", "1e-5");
+  def_set(def, "newton_iterations_max", "10");
+  def_set(def, "newton_tolerance", "1e-5");
+  def_set(def, "pcg_tolerance", "1e-4");
   def_set(def, "pcg_iterations_max", "5000");
   def_set(def, "effects.self_contact", "off");
   cloth_cloth_view v = {.name = "strip",
@@ -121,9 +121,12 @@ cloth_grasp_id strip_hold(const strip *s, cloth_scene *scene, int first, int las
 
 int strip_settle(cloth_scene *scene, double rest, int most)
 {
+  cloth_error err = {0};
   for (int n = 1;; n++) {
-    cloth_step_report r = scene_step(scene, 1);
-    if (n >= most || (n > 5 && r.energy_kinetic < rest)) return n;
+    cloth_step_report r;
+    // short steps at first: a start that is not quite at rest must not be flung about
+    must(cloth_step(scene, n < 10 ? 0.005 * n : 0, &r, &err), &err);
+    if (n >= most || (n > 12 && r.energy_kinetic < rest)) return n;
   }
 }
 

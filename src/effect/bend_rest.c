@@ -5,12 +5,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void cloth_bend_rest_free(cloth_bend_rest *rest)
 {
   if (rest == NULL) return;
   free(rest->vertex), free(rest->cloth), free(rest->stiffness), free(rest->angle),
-      free(rest->weight), free(rest);
+      free(rest->direction), free(rest->weight), free(rest);
 }
 
 static cloth_bend_rest *rest_new(int count, int corners)
@@ -24,7 +25,8 @@ static cloth_bend_rest *rest_new(int count, int corners)
   r->stiffness = calloc(n * (corners == 6 ? 6 : 1), sizeof(double));
   r->angle = calloc(n * sets, sizeof(double));
   r->weight = calloc(4 * n, sizeof(double));
-  if (r->vertex && r->cloth && r->stiffness && r->angle && r->weight) return r;
+  r->direction = calloc(corners == 6 ? 6 * n : 1, sizeof(double));
+  if (r->direction && r->vertex && r->cloth && r->stiffness && r->angle && r->weight) return r;
   cloth_bend_rest_free(r);
   return NULL;
 }
@@ -134,10 +136,10 @@ static void edge_normals(const cloth_sim *sim, int triangle, double n[3][2], dou
 }
 
 static void patch_stiffness(const cloth_sim *sim, int triangle, const cloth_material *m,
-                            double w[6])
+                            double w[6], double n[3][2])
 {
   static const int row[6] = {0, 1, 2, 1, 2, 0}, col[6] = {0, 1, 2, 2, 0, 1};
-  double n[3][2], face, both = sqrt(m->bend_warp * m->bend_weft);
+  double face, both = sqrt(m->bend_warp * m->bend_weft);
   edge_normals(sim, triangle, n, &face);
   for (int k = 0; k < 6; k++) {
     const double *a = n[row[k]], *b = n[col[k]];
@@ -165,6 +167,7 @@ static cloth_bend_rest *patches(const cloth_sim *sim)
 {
   cloth_bend_rest *r = rest_new(sim->triangle_count, 6);
   for (; r && r->count < sim->triangle_count; r->count++) {
+    double n[3][2];
     int t = r->count, *patch = r->vertex + 6 * t;
     r->cloth[t] = cloth_of_triangle(sim, t);
     for (int i = 0; i < 3; i++) {
@@ -179,7 +182,8 @@ static cloth_bend_rest *patches(const cloth_sim *sim)
       const int h[4] = {patch[(i + 1) % 3], patch[(i + 2) % 3], patch[i], patch[3 + i]};
       r->angle[3 * t + i] = angle(sim, h);
     }
-    patch_stiffness(sim, t, &sim->def->cloth[r->cloth[t]].material, r->stiffness + 6 * t);
+    patch_stiffness(sim, t, &sim->def->cloth[r->cloth[t]].material, r->stiffness + 6 * t, n);
+    memcpy(r->direction + 6 * t, n, sizeof n);
   }
   return r;
 }

@@ -17,6 +17,7 @@ struct cloth_bend_rest {
   double *stiffness; // N m: [count], of patches [count x 6]
   double *angle;     // rad: [count], of patches [count x 3]
   double *weight;    // 1/m: [count x 4], d angle / d height of the corners; hinges only
+  double *direction; // [count x 6] n of the edges of patches, (warp, weft): bend_shape.h; else NULL
 };
 
 /// Elements for the bending model of the scene. CLOTH_NO_MEMORY; CLOTH_UNSUPPORTED where quadratic

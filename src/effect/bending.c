@@ -23,6 +23,47 @@ static bool wanted(const cloth_sim *sim, char why[160])
   return false;
 }
 
+// the tables of measured fabrics, if there is one, and where in them each patch looks
+static cloth_status prepare_measured(cloth_sim *sim, cloth_part *part, cloth_error *err)
+{
+  const cloth_bend_rest *r = sim->bend_rest;
+  double table[15 * 64];
+  bool any = false;
+  int n = part->bend.count, cloths = sim->def->cloth_count;
+  if (cloths > 64) CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "%d cloths: at most 64", cloths);
+  for (int c = 0; c < cloths; c++) {
+    const cloth_material *m = &sim->def->cloth[c].material;
+    memcpy(table + 15 * c, m->measured_bending, sizeof m->measured_bending);
+    any |= m->measured_bending[0] > 0;
+  }
+  if (!any || r->corners != 6) return CLOTH_OK;
+  double *direction = malloc(sizeof(double) * 6 * (size_t)(n + 1));
+  int *material = malloc(sizeof(int) * (size_t)(n + 1));
+  cloth_status status = CLOTH_NO_MEMORY;
+  if (!direction || !material) {
+    cloth_fail(err, status, __FILE__, __LINE__, "measured bending of %d triangles", n);
+    goto done;
+  }
+  for (int i = 0; i < n; i++) {
+    int from = part->bend.which[i];
+    memcpy(direction + 6 * i, r->direction + 6 * from, sizeof(double) * 6);
+    material[i] = r->cloth[from];
+  }
+  CLOTH_TRY_GOTO(
+      cloth_upload_real(sim, part, "direction", direction, 6 * n, &part->bend_direction, err),
+      status, done);
+  CLOTH_TRY_GOTO(cloth_upload(sim, part, "material", material, sizeof(int) * (size_t)n,
+                              &part->bend_material, err),
+                 status, done);
+  CLOTH_TRY_GOTO(
+      cloth_upload_real(sim, part, "measured", table, 15 * cloths, &part->bend_measured, err),
+      status, done);
+  status = CLOTH_OK;
+done:
+  free(direction), free(material);
+  return status;
+}
+
 static cloth_status prepare(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
   if (sim->bend_rest == NULL) CLOTH_TRY(cloth_bend_rest_new(sim, &sim->bend_rest, err));
@@ -56,7 +97,7 @@ static cloth_status prepare(cloth_sim *sim, cloth_part *part, cloth_error *err)
     CLOTH_TRY_GOTO(
         cloth_upload_real(sim, part, "rest_angle", angle, angles * n, &part->bend_rest, err),
         status, done);
-  status = CLOTH_OK;
+  status = prepare_measured(sim, part, err);
 done:
   free(stiffness), free(angle), free(weight);
   return status;
@@ -81,8 +122,9 @@ static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
   int n = p->bend.count;
   if (p->bend.corners == 6) {
     cloth_bend_shape_args a = {
-        p->bend.vertex, p->bend_stiffness, p->bend_rest,  p->bend_damping,  p->x,
-        p->x_t0,        p->free,           p->bend_force, p->bend_gradient, p->bend_weight};
+        p->bend.vertex,   p->bend_stiffness, p->bend_rest,  p->bend_damping, p->bend_direction,
+        p->bend_measured, p->bend_material,  p->x,          p->x_t0,         p->free,
+        p->bend_force,    p->bend_gradient,  p->bend_weight};
     return cloth_launch(sim, p, CLOTH_KERNEL_bend_shape, n, &a, err);
   }
   if (p->bend_constant) {

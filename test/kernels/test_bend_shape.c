@@ -56,8 +56,8 @@ static outcome evaluate(const double x[18], const double x_t0[18], const cloth_r
   outcome r;
   cloth_real xr[18], x0[18];
   for (int c = 0; c < 18; c++) xr[c] = (cloth_real)x[c], x0[c] = (cloth_real)x_t0[c];
-  cloth_bend_shape_args a = {corners, stiffness, rest_angle, damping,    xr,
-                             x0,      held,      r.force,    r.gradient, r.weight};
+  cloth_bend_shape_args a = {corners, stiffness, rest_angle, damping, NULL,       NULL,    NULL,
+                             xr,      x0,        held,       r.force, r.gradient, r.weight};
   cloth_bend_shape(0, &a);
   return r;
 }
@@ -192,6 +192,54 @@ static int a_held_face_leaves_its_bending_to_the_neighbour(void)
   return 0;
 }
 
+// ---- measured -----------------------------------------------------------------------------------
+
+// a cylinder of curvature kappa whose curved direction is `turn` from the warp, on three edges
+static double rigidity_at(const cloth_real *table, double turn, double kappa)
+{
+  const double n[6] = {3, 0.5, -1, 2.5, -2, -3};
+  double k[3] = {kappa * cos(turn) * cos(turn), kappa * sin(turn) * sin(turn),
+                 kappa * cos(turn) * sin(turn)};
+  double m[3][4], bend[3];
+  for (int r = 0; r < 3; r++) { // sum_e bend_e n_e n_e' = k
+    for (int e = 0; e < 3; e++) {
+      double a = n[2 * e], b = n[2 * e + 1];
+      m[r][e] = r == 0 ? a * a : r == 1 ? b * b : a * b;
+    }
+    m[r][3] = k[r];
+  }
+  for (int p = 0; p < 3; p++) // no pivot is zero for these edges
+    for (int r = 0; r < 3; r++) {
+      double f = r == p ? 0 : m[r][p] / m[p][p];
+      for (int c = 0; c < 4; c++) m[r][c] -= f * m[p][c];
+    }
+  cloth_real bent[3], normal[6];
+  for (int e = 0; e < 3; e++) bend[e] = m[e][3] / m[e][e], bent[e] = (cloth_real)bend[e];
+  for (int c = 0; c < 6; c++) normal[c] = (cloth_real)n[c];
+  double root = sqrt((double)table[10]) * cos(turn) * cos(turn) +
+                sqrt((double)table[0]) * sin(turn) * sin(turn);
+  return (double)cloth_bend_measured(bent, normal, table) * root * root;
+}
+
+static int measured_bending_has_the_numbers_of_its_table(void)
+{
+  static const cloth_real table[15] = {6, 5, 4, 3, 2, 8, 9, 10, 11, 12, 20, 18, 16, 14, 13};
+  const double pi = acos(-1), near = 1e4 * CLOTH_REAL_EPSILON + 1e-9;
+  for (int row = 0; row < 3; row++)
+    for (int column = 1; column < 5; column++)
+      for (int sign = -1; sign < 2; sign += 2) {
+        double turn = pi / 2 - row * pi / 4; // the edge lies across the curvature
+        CHECK_NEAR(rigidity_at(table, turn, sign * 5.0 * column), (double)table[5 * row + column],
+                   20 * near);
+      }
+  CHECK_NEAR(rigidity_at(table, 0, 7.5), 17, 20 * near);
+  CHECK_NEAR(rigidity_at(table, pi / 8, 10), 13, 20 * near);
+  CHECK_NEAR(rigidity_at(table, -pi / 8, 10), 13, 20 * near);
+  CHECK_NEAR(rigidity_at(table, 0, 300), 13, 20 * near);
+  CHECK_NEAR(rigidity_at(table, pi / 2, 1e-3), 6, 1e-3);
+  return 0;
+}
+
 // ---- quadratic ----------------------------------------------------------------------------------
 
 static const cloth_real hinge_weight[4] = {(cloth_real)1.5, (cloth_real)0.75, -1,
@@ -232,6 +280,7 @@ int main(int argc, char **argv)
   RUN(force_and_torque_sum_to_zero);
   RUN(a_missing_edge_has_no_force);
   RUN(a_held_face_leaves_its_bending_to_the_neighbour);
+  RUN(measured_bending_has_the_numbers_of_its_table);
   RUN(quadratic_force_is_energy_gradient);
   return failures != 0;
 }

@@ -5,3 +5,8 @@ void case_cantilever(int mesh, double gamma, const char *model, int cells); // c
 void case_tip_load(int mesh, double load, const char *model);
 void case_end_moment(int mesh, const char *model);
 void case_heart_loop(int mesh, double gamma, const char *model);
+void case_hanging_sheet(int mesh, int mode);
+void case_catenary(int mesh, double apart); // share of its length between its ends
+
+/// Share of the ring that still shows; within [least, most] is a pass.
+double case_drape(const char *fabric, int rings, double least, double most);

@@ -32,13 +32,41 @@ static void heart_loops(void)
     for (int i = quick ? 1 : 0; i < (quick ? 2 : 3); i++) case_heart_loop(mesh, all[i], "shape");
 }
 
+static void hanging_sheets(void)
+{
+  for (int mode = 1; mode <= (quick ? 1 : 3); mode++)
+    for (int mesh = 0; mesh < (quick ? 1 : STRIP_MESHES); mesh++) case_hanging_sheet(mesh, mode);
+}
+
+static void catenaries(void)
+{
+  for (int mesh = 0; mesh < (quick ? 1 : STRIP_MESHES); mesh++) case_catenary(mesh, 0.7);
+}
+
+// bands of the literature: silk Matsudaira and Yang 2003; cotton Gan, Ly and Steven 1991; wool
+// worsteds; leather Memon et al. 2021; denim and banners by their class
+static void drapes(void)
+{
+  static const struct {
+    const char *fabric;
+    double least, most;
+  } band[] = {{"cotton", 0.60, 0.76}, {"silk", 0.20, 0.40},    {"wool", 0.40, 0.70},
+              {"denim", 0.70, 0.90},  {"leather", 0.47, 0.70}, {"flag", 0.20, 0.40}};
+  for (int i = 0; i < (quick ? 1 : 6); i++)
+    case_drape(band[i].fabric, quick ? 15 : 20, band[i].least, band[i].most);
+  if (!quick) case_drape("cotton", 30, 0.60, 0.76); // finer
+}
+
 static const struct {
   const char *name;
   void (*run)(void);
 } tests[] = {{"cantilever", cantilevers},
              {"tip_load", tip_loads},
              {"end_moment", end_moments},
-             {"heart_loop", heart_loops}};
+             {"heart_loop", heart_loops},
+             {"hanging_sheet", hanging_sheets},
+             {"catenary", catenaries},
+             {"drape", drapes}};
 
 int main(int argc, char **argv)
 {

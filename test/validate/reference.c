@@ -96,6 +96,7 @@ static void loop_newton(double gamma, double p[2])
   for (int i = 0; i < 30; i++) {
     double m[2], j[2][2];
     loop_miss(gamma, p, m);
+    if (fabs(m[0]) + fabs(m[1]) < 1e-11) return;
     for (int k = 0; k < 2; k++) {
       double q[2] = {p[0], p[1]}, step = 1e-6 * (1 + fabs(p[k])), n[2];
       q[k] += step;
@@ -114,7 +115,7 @@ void reference_heart_loop(double gamma, double *depth, double *half_width, doubl
   static double path[STEPS / 2 + 1][2];
   // the solution without weight, which the others continue
   double p[2] = {5.1117, 35.242}, y[4];
-  for (double g = 0; g < gamma; g += fmax(1, g / 20)) loop_newton(g, p); // follow the solution
+  for (double g = 0; g < gamma; g += fmax(1, g / 100)) loop_newton(g, p); // follow the solution
   loop_newton(gamma, p);
   loop_shoot(gamma, p[0], p[1], y, path);
   *depth = y[3], *half_width = *top = 0;

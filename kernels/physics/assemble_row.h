@@ -89,19 +89,30 @@ CLOTH_FN void cloth_add_bend_shape(int i, const cloth_assemble_row_args *a, clot
   for (int n = a->shape.first[i]; n < a->shape.first[i + 1]; n++) {
     int e = a->shape.corner[n] / 6, c = a->shape.corner[n] % 6;
     const int *slot = a->shape.slot + 6 * n;
-    const cloth_real *w = a->shape_weight + 6 * e;
+    const cloth_real *w = a->shape_weight + 6 * e, *g = a->shape_gradient + 36 * e;
+    cloth_v3 p[3];
     *f = cloth_v3_add(*f, cloth_v3_load(a->shape_force, 6 * e + c));
     for (int j = 0; j < 3; j++) {
-      cloth_v3 p = cloth_v3_make(0, 0, 0);
-      for (int k = 0; k < 3; k++) {
-        if (c > 2 && c != 3 + k) continue;
-        int own = c > 2 ? 3 : (c + 2 - k) % 3; // vertex of hinge k that corner c is
-        p = cloth_v3_add_scaled(p, w[at[3 * j + k]],
-                                cloth_v3_load(a->shape_gradient, 12 * e + 4 * k + own));
+      p[j] = cloth_v3_make(0, 0, 0);
+      for (int k = 0; k < 3; k++)
+        if (c < 3 || c == 3 + k) // vertex of hinge k that corner c is
+          p[j] = cloth_v3_add_scaled(p[j], w[at[3 * j + k]],
+                                     cloth_v3_load(g, 4 * k + (c > 2 ? 3 : (c + 2 - k) % 3)));
+    }
+    for (int b = 0; b < 3; b++) {
+      int j = (b + 1) % 3, k = (b + 2) % 3;
+      cloth_v3 gj = cloth_v3_load(g, 4 * j + 1), gk = cloth_v3_load(g, 4 * k),
+               gb = cloth_v3_load(g, 4 * b + 2);
+      const cloth_real u[9] = {p[j].x, p[j].y, p[j].z, p[k].x, p[k].y,
+                               p[k].z, p[b].x, p[b].y, p[b].z};
+      cloth_real full[9];
+      for (int r = 0; r < 3; r++) {
+        full[3 * r] = u[r] * gj.x + u[3 + r] * gk.x + u[6 + r] * gb.x;
+        full[3 * r + 1] = u[r] * gj.y + u[3 + r] * gk.y + u[6 + r] * gb.y;
+        full[3 * r + 2] = u[r] * gj.z + u[3 + r] * gk.z + u[6 + r] * gb.z;
       }
-      for (int k = 0; k < 4; k++)
-        cloth_block_add_outer(&a->rows, i, slot[cloth_bend_shape_corner(j, k)], p,
-                              cloth_v3_load(a->shape_gradient, 12 * e + 4 * j + k));
+      cloth_block_add(&a->rows, i, slot[b], full);
+      cloth_block_add_outer(&a->rows, i, slot[3 + b], p[b], cloth_v3_load(g, 4 * b + 3));
     }
   }
 }

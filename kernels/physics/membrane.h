@@ -94,7 +94,11 @@ CLOTH_FN void cloth_membrane_measured(cloth_membrane_sym2 g, const cloth_real *t
     cloth_real a = table[4 + 4 * row + k], b = table[8 + 4 * row + k];
     c[k] = 2 * ((1 - w) * table[k] + w * (a + f * (b - a)));
   }
-  c[3] = c[3] > 0 ? c[3] : 0; // fits of knits hold negative shear stiffness, which is no material
+  // fits of knits hold what is no material: it would gain energy by being deformed
+  cloth_real limit = (cloth_real)0.95 * cloth_sqrt(c[0] * c[2]);
+  c[1] = c[1] < limit ? c[1] : limit;
+  c[1] = c[1] > -limit ? c[1] : -limit;
+  c[3] = c[3] > 0 ? c[3] : 0;
 }
 
 // Energy of one triangle [J], without damping. Not called by the solver; the tests differentiate

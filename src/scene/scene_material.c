@@ -12,18 +12,19 @@ static cloth_status read_stretching(cloth_value at, cloth_material *out, cloth_e
     cloth_value row = cloth_yaml_item(at, i);
     double *c = out->measured_stretching + 4 * i;
     CLOTH_TRY(cloth_yaml_numbers(row, 4, "N/m", 1e7, c, err));
-    if (!(c[0] > 0 && c[2] > 0 && (i > 0 || c[3] > 0) && c[0] * c[2] > c[1] * c[1]))
+    if (!(c[0] > 0 && c[2] > 0 && (i > 0 || c[3] > 0)))
       CLOTH_YAML_FAIL(
           err, row,
-          "c11 = %g, c12 = %g, c22 = %g, c33 = %g [N/m] would gain energy by being "
-          "deformed: c11, c22, c11 c22 - c12^2, and in the first row c33, must be above 0",
-          c[0], c[1], c[2], c[3]);
+          "c11 = %g, c22 = %g, c33 = %g [N/m]: c11, c22, and in the first row c33, must "
+          "be above 0",
+          c[0], c[2], c[3]);
   }
   // the linear membrane that it is near zero strain: what is printed, and what others ask
   const double *c = out->measured_stretching;
-  out->stretch_warp = 2 * (c[0] - c[1] * c[1] / c[2]);
-  out->stretch_weft = 2 * (c[2] - c[1] * c[1] / c[0]);
-  out->poisson = fmax(0, c[1] / c[2]);
+  double c12 = fmin(fabs(c[1]), 0.95 * sqrt(c[0] * c[2])); // the bound of membrane.h
+  out->stretch_warp = 2 * (c[0] - c12 * c12 / c[2]);
+  out->stretch_weft = 2 * (c[2] - c12 * c12 / c[0]);
+  out->poisson = c[1] > 0 ? fmin(0.99, c12 / c[2]) : 0;
   out->shear = 2 * c[3];
   return CLOTH_OK;
 }

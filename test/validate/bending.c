@@ -27,7 +27,9 @@ static int cells_for(double gamma)
   return n < 40 ? 40 : n > 190 ? 190 : n;
 }
 
-void case_cantilever(int mesh, double gamma, const char *model, int cells)
+// measured and exact drop over reach of a strip under its own weight
+static void sag(int mesh, double gamma, const char *model, int cells, double *measured,
+                double *expected)
 {
   double rigidity = density * G * length * length * length / gamma, drop, reach;
   strip_make(&s, (strip_mesh)mesh, length, cells > 0 ? cells : cells_for(gamma), 4, 0);
@@ -39,10 +41,29 @@ void case_cantilever(int mesh, double gamma, const char *model, int cells)
   scene_positions(scene, 0, x);
   double H = -strip_mean(&s, x, s.columns - 1, 2), W = strip_mean(&s, x, s.columns - 1, 0);
   reference_cantilever(gamma, 0, &drop, &reach);
-  char name[64];
-  snprintf(name, sizeof name, "cantilever %s", model);
-  result(name, strip_mesh_name[mesh], "H/W", gamma, H / W, drop / reach, 0.03);
+  *measured = H / W, *expected = drop / reach;
   cloth_scene_free(scene);
+}
+
+void case_cantilever(int mesh, double gamma, const char *model, int cells)
+{
+  double measured, expected;
+  char name[64];
+  sag(mesh, gamma, model, cells, &measured, &expected);
+  snprintf(name, sizeof name, "cantilever %s", model);
+  result(name, strip_mesh_name[mesh], "H/W", gamma, measured, expected, 0.03);
+}
+
+// halving the cells quarters the error
+void case_mesh_order(int mesh, double gamma)
+{
+  double error[2], measured, expected;
+  for (int i = 0; i < 2; i++) {
+    sag(mesh, gamma, "shape", 8 << i, &measured, &expected);
+    error[i] = fabs(measured - expected);
+  }
+  result("order in mesh size", strip_mesh_name[mesh], "order", gamma, log2(error[0] / error[1]), 2,
+         0.2);
 }
 
 // a dead load: a soft spring to a far place

@@ -2,6 +2,7 @@
 #pragma once
 
 void case_cantilever(int mesh, double gamma, const char *model, int cells); // cells 0: as needed
+void case_mesh_order(int mesh, double gamma);
 void case_tip_load(int mesh, double load, const char *model);
 void case_end_moment(int mesh, const char *model);
 void case_heart_loop(int mesh, double gamma, const char *model);

@@ -13,6 +13,8 @@ static void cantilevers(void)
       case_cantilever(mesh, quick ? few[i] : all[i], "shape", quick ? 30 : 0);
 }
 
+static void mesh_orders(void) { case_mesh_order(STRIP_LEFT, 10); }
+
 static void tip_loads(void)
 {
   static const double all[] = {0.5, 2, 10};
@@ -53,20 +55,18 @@ static void drapes(void)
   } band[] = {{"cotton", 0.60, 0.76}, {"silk", 0.20, 0.40},    {"wool", 0.40, 0.70},
               {"denim", 0.70, 0.90},  {"leather", 0.47, 0.70}, {"flag", 0.20, 0.40}};
   for (int i = 0; i < (quick ? 1 : 6); i++)
-    case_drape(band[i].fabric, quick ? 15 : 20, band[i].least, band[i].most);
-  if (!quick) case_drape("cotton", 30, 0.60, 0.76); // finer
+    case_drape(band[i].fabric, quick ? 15 : 30, band[i].least, band[i].most);
+  for (int rings = 20; rings <= 40 && !quick; rings += 20) // coarser and finer
+    case_drape("cotton", rings, 0.60, 0.76);
 }
 
 static const struct {
   const char *name;
   void (*run)(void);
-} tests[] = {{"cantilever", cantilevers},
-             {"tip_load", tip_loads},
-             {"end_moment", end_moments},
-             {"heart_loop", heart_loops},
-             {"hanging_sheet", hanging_sheets},
-             {"catenary", catenaries},
-             {"drape", drapes}};
+} tests[] = {{"cantilever", cantilevers}, {"order", mesh_orders},
+             {"tip_load", tip_loads},     {"end_moment", end_moments},
+             {"heart_loop", heart_loops}, {"hanging_sheet", hanging_sheets},
+             {"catenary", catenaries},    {"drape", drapes}};
 
 int main(int argc, char **argv)
 {

@@ -52,10 +52,10 @@ static void drapes(void)
   static const struct {
     const char *fabric;
     double least, most;
-  } band[] = {{"cotton", 0.60, 0.76}, {"silk", 0.20, 0.40},    {"wool", 0.40, 0.70},
-              {"denim", 0.70, 0.90},  {"leather", 0.47, 0.70}, {"flag", 0.20, 0.40}};
+  } band[] = {{"cotton", 0.60, 0.76}, {"silk", 0.20, 0.40},    {"flag", 0.20, 0.40},
+              {"denim", 0.70, 0.90},  {"leather", 0.47, 0.70}, {"wool", 0.40, 0.70}};
   for (int i = 0; i < (quick ? 1 : 6); i++)
-    case_drape(band[i].fabric, quick ? 15 : 30, band[i].least, band[i].most);
+    case_drape(band[i].fabric, quick ? 10 : 30, band[i].least, band[i].most);
   for (int rings = 20; rings <= 40 && !quick; rings += 20) // coarser and finer
     case_drape("cotton", rings, 0.60, 0.76);
 }

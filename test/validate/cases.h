@@ -1,6 +1,8 @@
 // The cases of the validation, each one scene; results go to result() in strip.h.
 #pragma once
 
+/// reference.c against the curves of ../shared/data, where they are there.
+void case_reference(void);
 void case_cantilever(int mesh, double gamma, const char *model, int cells); // cells 0: as needed
 void case_mesh_order(int mesh, double gamma);
 void case_tip_load(int mesh, double load, const char *model);

@@ -63,10 +63,10 @@ static void drapes(void)
 static const struct {
   const char *name;
   void (*run)(void);
-} tests[] = {{"cantilever", cantilevers}, {"order", mesh_orders},
-             {"tip_load", tip_loads},     {"end_moment", end_moments},
-             {"heart_loop", heart_loops}, {"hanging_sheet", hanging_sheets},
-             {"catenary", catenaries},    {"drape", drapes}};
+} tests[] = {
+    {"reference", case_reference},     {"cantilever", cantilevers}, {"order", mesh_orders},
+    {"tip_load", tip_loads},           {"end_moment", end_moments}, {"heart_loop", heart_loops},
+    {"hanging_sheet", hanging_sheets}, {"catenary", catenaries},    {"drape", drapes}};
 
 int main(int argc, char **argv)
 {

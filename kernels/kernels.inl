@@ -22,6 +22,8 @@ CLOTH_KERNEL(commit_chunk, 64)
 CLOTH_KERNEL(membrane, 64)
 CLOTH_KERNEL(membrane_stretch, 256)
 CLOTH_KERNEL(bend, 128)
+CLOTH_KERNEL(bend_quadratic, 128)
+CLOTH_KERNEL(bend_shape, 64)
 CLOTH_KERNEL(drag, 128)
 
 // pairs

@@ -19,6 +19,9 @@ typedef struct cloth_params {
 typedef struct cloth_material {
 #define CLOTH_MATERIAL(name, value, unit, least, most, meaning) double name;
 #include "material.inl"
+  // Measured tables (Wang, O'Brien, Ramamoorthi 2011; doc/materials.md); all 0: none, the numbers above act.
+  double measured_stretching[24]; // [6 x 4] N/m: c11 c12 c22 c33, half the stiffness
+  double measured_bending[15];    // [3 x 5] N m: four times the rigidity of a plate
 } cloth_material;
 
 /// The defaults of params.inl, of material.inl.

@@ -34,6 +34,9 @@ CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP fin
 
 CLOTH_PARAM(int, profile, 0, "1", 0, 1, "1: the times of stages are a GPU's own, which makes the host wait after each")
 
+// models
+CLOTH_CHOICE(bending_model, 2, "hinge|quadratic|shape", "one spring per edge; its constant matrix, the cheapest; or the curvature of each triangle, in which D is the same in every direction")
+
 // world
 CLOTH_VECTOR(gravity, 0, 0, -9.81, "m/s^2", 1e3, "acceleration of free fall, scene frame")
 CLOTH_VECTOR(wind, 0, 0, 0, "m/s", 200, "mean velocity of the air, scene frame")

@@ -3,6 +3,8 @@
 
 #include "assemble_row.h"
 #include "bend.h"
+#include "bend_quadratic.h"
+#include "bend_shape.h"
 #include "body_vertex.h"
 #include "box_chunk.h"
 #include "cell_count.h"

@@ -4,6 +4,7 @@
 // is scattered. Also the inverse of the diagonal block, contacts included, for the preconditioner.
 #pragma once
 
+#include "bend_shape.h"
 #include "block_rows.h"
 
 // which elements meet at a row, and into which slots of the row their blocks go
@@ -25,16 +26,19 @@ typedef struct cloth_assemble_row_args {
   const cloth_real *membrane_force, *membrane_tangent;        // [n x 9] N, [n x 45] N/m: membrane.h
   cloth_incidence drag;                                       // 3 corners, slot not used
   const cloth_real *drag_force, *drag_tangent;                // [n x 3] N, [n x 6] N/m: drag.h
-  cloth_incidence bend;                                       // 4 corners
-  const cloth_real *bend_force, *bend_gradient, *bend_weight; // [n x 12], [n x 12], [n]: bend.h
-  const uint32_t *contact_first;                              // [rows + 1]; NULL: no contacts
-  const uint32_t *contact_entry;                              // [entries] 4 contact + corner
-  const cloth_real *contact_weight;                           // [contacts x 4]
-  const cloth_real *contact_force;                            // [contacts x 3] N
-  const cloth_real *contact_tangent;                          // [contacts x 6] N/m
-  cloth_block_rows rows;                                      // written
-  cloth_real *b;                                              // [vertices x 3] N, written
-  cloth_real *inverse_diagonal;                               // [vertices x 6] m/N, written
+  cloth_incidence bend;                                       // 4 corners: bend.h
+  const cloth_real *bend_force, *bend_gradient, *bend_weight; // [n x 12], [n x 12], [n]
+  const cloth_real *bend_constant;                            // [n x 4] 1/m: bend_quadratic.h; NULL
+  cloth_incidence shape;                                      // 6 corners: bend_shape.h
+  const cloth_real *shape_force, *shape_gradient, *shape_weight; // [n x 18], [n x 36], [n x 6]
+  const uint32_t *contact_first;                                 // [rows + 1]; NULL: no contacts
+  const uint32_t *contact_entry;                                 // [entries] 4 contact + corner
+  const cloth_real *contact_weight;                              // [contacts x 4]
+  const cloth_real *contact_force;                               // [contacts x 3] N
+  const cloth_real *contact_tangent;                             // [contacts x 6] N/m
+  cloth_block_rows rows;                                         // written
+  cloth_real *b;                                                 // [vertices x 3] N, written
+  cloth_real *inverse_diagonal;                                  // [vertices x 6] m/N, written
 } cloth_assemble_row_args;
 
 CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
@@ -60,6 +64,56 @@ CLOTH_FN void cloth_add_bend(int i, const cloth_assemble_row_args *a, cloth_v3 *
     for (int k = 0; k < 4; k++)
       cloth_block_add_outer(&a->rows, i, a->bend.slot[4 * n + k], g,
                             cloth_v3_load(a->bend_gradient, 4 * e + k));
+  }
+}
+
+// a constant matrix: one number per block
+CLOTH_FN void cloth_add_bend_quadratic(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+{
+  for (int n = a->bend.first[i]; n < a->bend.first[i + 1]; n++) {
+    int e = a->bend.corner[n] / 4, c = a->bend.corner[n] % 4;
+    *f = cloth_v3_add(*f, cloth_v3_load(a->bend_force, 4 * e + c));
+    cloth_real w = a->bend_weight[e] * a->bend_constant[4 * e + c];
+    for (int k = 0; k < 4; k++) {
+      cloth_real *v = cloth_block_at(&a->rows, i, a->bend.slot[4 * n + k]);
+      cloth_real m = w * a->bend_constant[4 * e + k];
+      for (int d = 0; d < 9; d += 4) v[d * CLOTH_ROW_GROUP] += m;
+    }
+  }
+}
+
+// K_cb = sum_j p_j g_jb' with p_j = sum_i W_ij g_ic over the edges i that corner c moves
+CLOTH_FN void cloth_add_bend_shape(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+{
+  const int at[9] = {0, 5, 4, 5, 1, 3, 4, 3, 2}; // full index of W -> stored index
+  for (int n = a->shape.first[i]; n < a->shape.first[i + 1]; n++) {
+    int e = a->shape.corner[n] / 6, c = a->shape.corner[n] % 6;
+    const int *slot = a->shape.slot + 6 * n;
+    const cloth_real *w = a->shape_weight + 6 * e, *g = a->shape_gradient + 36 * e;
+    cloth_v3 p[3];
+    *f = cloth_v3_add(*f, cloth_v3_load(a->shape_force, 6 * e + c));
+    for (int j = 0; j < 3; j++) {
+      p[j] = cloth_v3_make(0, 0, 0);
+      for (int k = 0; k < 3; k++)
+        if (c < 3 || c == 3 + k) // vertex of hinge k that corner c is
+          p[j] = cloth_v3_add_scaled(p[j], w[at[3 * j + k]],
+                                     cloth_v3_load(g, 4 * k + (c > 2 ? 3 : (c + 2 - k) % 3)));
+    }
+    for (int b = 0; b < 3; b++) {
+      int j = (b + 1) % 3, k = (b + 2) % 3;
+      cloth_v3 gj = cloth_v3_load(g, 4 * j + 1), gk = cloth_v3_load(g, 4 * k),
+               gb = cloth_v3_load(g, 4 * b + 2);
+      const cloth_real u[9] = {p[j].x, p[j].y, p[j].z, p[k].x, p[k].y,
+                               p[k].z, p[b].x, p[b].y, p[b].z};
+      cloth_real full[9];
+      for (int r = 0; r < 3; r++) {
+        full[3 * r] = u[r] * gj.x + u[3 + r] * gk.x + u[6 + r] * gb.x;
+        full[3 * r + 1] = u[r] * gj.y + u[3 + r] * gk.y + u[6 + r] * gb.y;
+        full[3 * r + 2] = u[r] * gj.z + u[3 + r] * gk.z + u[6 + r] * gb.z;
+      }
+      cloth_block_add(&a->rows, i, slot[b], full);
+      cloth_block_add_outer(&a->rows, i, slot[3 + b], p[b], cloth_v3_load(g, 4 * b + 3));
+    }
   }
 }
 
@@ -90,7 +144,11 @@ CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
   cloth_block_add_sym(&a->rows, i, 0, cloth_sym3_axis(m, 0, f));
 
   if (a->membrane.first) cloth_add_membrane(i, a, &f);
-  if (a->bend.first) cloth_add_bend(i, a, &f);
+  if (a->bend.first && a->bend_constant)
+    cloth_add_bend_quadratic(i, a, &f);
+  else if (a->bend.first)
+    cloth_add_bend(i, a, &f);
+  if (a->shape.first) cloth_add_bend_shape(i, a, &f);
   if (a->drag.first) cloth_add_drag(i, a, &f);
 
   cloth_sym3 d = cloth_block_diagonal(&a->rows, i);

@@ -27,6 +27,7 @@ typedef struct cloth_bend_args {
   const cloth_real *damping;    // [n]            1    damping time over step length
   const cloth_real *x;          // [vertices x 3] m    positions
   const cloth_real *x_t0;       // [vertices x 3] m    positions at the start of the step
+  const cloth_real *free;       // [vertices]    1    0: held rigidly; NULL: none is
   cloth_real *force;    // [n x 12]       N    on v0 v1 v2 v3                             (out)
   cloth_real *gradient; // [n x 12]       1/m  d theta / d x of v0 v1 v2 v3               (out)
   cloth_real *weight;   // [n]            N m  tangent block K_ab = weight g_a g_b'       (out)
@@ -117,17 +118,13 @@ CLOTH_FN cloth_real cloth_bend_energy(cloth_v3 x0, cloth_v3 x1, cloth_v3 x2, clo
   return k * bend * bend / 2;
 }
 
-CLOTH_FN void cloth_bend(int i, const cloth_bend_args *a)
+// Angle of the hinge v0 v1 v2 v3 [rad] and its gradient g [1/m] at the four.
+CLOTH_FN cloth_real cloth_bend_gradient(const cloth_real *x, const int *v, cloth_v3 *g)
 {
-  const int *v = a->hinge + 4 * i;
-  cloth_v3 x0 = cloth_v3_load(a->x, v[0]), e = cloth_v3_sub(cloth_v3_load(a->x, v[1]), x0);
-  cloth_v3 d2 = cloth_v3_sub(cloth_v3_load(a->x, v[2]), x0);
-  cloth_v3 d3 = cloth_v3_sub(cloth_v3_load(a->x, v[3]), x0);
+  cloth_v3 x0 = cloth_v3_load(x, v[0]), e = cloth_v3_sub(cloth_v3_load(x, v[1]), x0);
+  cloth_v3 d2 = cloth_v3_sub(cloth_v3_load(x, v[2]), x0);
+  cloth_v3 d3 = cloth_v3_sub(cloth_v3_load(x, v[3]), x0);
   cloth_v3 n2 = cloth_v3_cross(e, d2), n3 = cloth_v3_cross(d3, e);
-  cloth_real theta = cloth_bend_normals_angle(e, n2, n3);
-  cloth_real theta_t0 =
-      cloth_bend_angle(cloth_v3_load(a->x_t0, v[0]), cloth_v3_load(a->x_t0, v[1]),
-                       cloth_v3_load(a->x_t0, v[2]), cloth_v3_load(a->x_t0, v[3]));
 
   // g_2 = -n2 |e| / |n2|^2 (one over the height), g_3 likewise; the edge carries what balances them
   cloth_real ee = cloth_v3_dot(e, e), length = cloth_sqrt(ee);
@@ -135,16 +132,43 @@ CLOTH_FN void cloth_bend(int i, const cloth_bend_args *a)
   cloth_real sliver = CLOTH_BEND_SLIVER * CLOTH_BEND_SLIVER * ee * ee,
              least = nn2 < nn3 ? nn2 : nn3;
   cloth_real reduce = least < sliver ? least / sliver : 1;
-  cloth_v3 g2 = cloth_v3_scale(least > 0 ? -length * reduce / nn2 : 0, n2);
-  cloth_v3 g3 = cloth_v3_scale(least > 0 ? -length * reduce / nn3 : 0, n3);
+  g[2] = cloth_v3_scale(least > 0 ? -length * reduce / nn2 : 0, n2);
+  g[3] = cloth_v3_scale(least > 0 ? -length * reduce / nn3 : 0, n3);
   cloth_real s2 = ee > 0 ? cloth_v3_dot(d2, e) / ee : 0, s3 = ee > 0 ? cloth_v3_dot(d3, e) / ee : 0;
-  cloth_v3 g1 = cloth_v3_add_scaled(cloth_v3_scale(-s2, g2), -s3, g3);
-  cloth_v3 g0 = cloth_v3_scale(-1, cloth_v3_add(g1, cloth_v3_add(g2, g3)));
+  g[1] = cloth_v3_add_scaled(cloth_v3_scale(-s2, g[2]), -s3, g[3]);
+  g[0] = cloth_v3_scale(-1, cloth_v3_add(g[1], cloth_v3_add(g[2], g[3])));
+  return cloth_bend_normals_angle(e, n2, n3);
+}
 
-  cloth_real k = a->stiffness[i], d = a->damping[i];
+// The angle alone.
+CLOTH_FN cloth_real cloth_bend_angle_of(const cloth_real *x, const int *v)
+{
+  return cloth_bend_angle(cloth_v3_load(x, v[0]), cloth_v3_load(x, v[1]), cloth_v3_load(x, v[2]),
+                          cloth_v3_load(x, v[3]));
+}
+
+// Is the face a b c held rigidly? Then it has no share in the bending of its edges, and all the
+// angle that the clamp makes with the next face is bent within that face: half the length, twice
+// the stiffness. The clamp is at the last held edge and not half a face before it.
+CLOTH_FN int cloth_bend_held(const cloth_real *free, int a, int b, int c)
+{
+  return free && !(free[a] > 0) && !(free[b] > 0) && !(free[c] > 0);
+}
+
+// 2 for a hinge of which one face is held, else 1
+CLOTH_FN cloth_real cloth_bend_clamp(const cloth_real *free, const int *v)
+{
+  return cloth_bend_held(free, v[0], v[1], v[2]) != cloth_bend_held(free, v[0], v[1], v[3]) ? 2 : 1;
+}
+
+CLOTH_FN void cloth_bend(int i, const cloth_bend_args *a)
+{
+  const int *v = a->hinge + 4 * i;
+  cloth_v3 g[4];
+  cloth_real theta = cloth_bend_gradient(a->x, v, g), theta_t0 = cloth_bend_angle_of(a->x_t0, v);
+  cloth_real k = cloth_bend_clamp(a->free, v) * a->stiffness[i], d = a->damping[i];
   cloth_real moment =
       k * (cloth_bend_wrap(theta - a->rest_angle[i]) + d * cloth_bend_wrap(theta - theta_t0));
-  const cloth_v3 g[4] = {g0, g1, g2, g3};
   for (int c = 0; c < 4; c++) {
     cloth_v3_store(a->gradient, 4 * i + c, g[c]);
     cloth_v3_store(a->force, 4 * i + c, cloth_v3_scale(-moment, g[c]));

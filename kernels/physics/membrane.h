@@ -18,7 +18,7 @@
 // and Flesh Simulation, 2005 (element tangents made definite; here on the stress alone).
 #pragma once
 
-#include "real.h"
+#include "bend.h"
 
 // rest is the inverse of [warp, weft of corners 1-0 and 2-0 as columns], m00 m01 m10 m11 [1/m], and
 // the area [m^2]; tangent is K00 K11 K22 packed (xx yy zz yz zx xy), then K01 K12 K20 row by row,
@@ -28,6 +28,7 @@ typedef struct cloth_membrane_args {
   const cloth_real *rest;      // [n x 5]         1/m, m^2, see above
   const int *material;         // [n]                  row of stiffness and damping
   const cloth_real *stiffness; // [materials x 4] N/m  c11 c12 c22 c33
+  const cloth_real *measured;  // [materials x 24] N/m see cloth_membrane_measured; first 0: linear
   const cloth_real *damping;   // [materials]     1    damping time over step length
   const cloth_real *x;         // [vertices x 3]  m    positions
   const cloth_real *x_t0;      // [vertices x 3]  m    positions at the start of the step
@@ -71,6 +72,33 @@ CLOTH_FN cloth_membrane_sym2 cloth_membrane_stress(cloth_membrane_sym2 g, const 
   s.weft = c[1] * g.warp + c[2] * g.weft;
   s.shear = 2 * c[3] * g.shear;
   return s;
+}
+
+// Stiffness c11 c12 c22 c33 [N/m] of a measured fabric at a strain, from a table of six rows of
+// half of them: at zero strain, then for a principal stretch of 7/6 at 0, 22.5, 45, 67.5 and 90
+// degrees to the warp. Linear in the larger principal stretch, and in its angle; constant beyond
+// 7/6 and in compression. Source: H. Wang, J. O'Brien, R. Ramamoorthi, Data-driven Elastic Models
+// for Cloth, 2011, section 3. There is no energy that this stress is the gradient of; the tangent
+// takes the stiffness as constant.
+CLOTH_FN void cloth_membrane_measured(cloth_membrane_sym2 g, const cloth_real *table, cloth_real *c)
+{
+  cloth_real mean = (g.warp + g.weft) / 2, half = (g.warp - g.weft) / 2;
+  cloth_real most = mean + cloth_sqrt(half * half + g.shear * g.shear); // eigenvalue of G
+  cloth_real w = most > 0 ? 6 * (cloth_sqrt(1 + 2 * most) - 1) : 0;
+  w = w < 1 ? w : 1;
+  // the principal direction is at half the angle of (half, shear)
+  cloth_real at = cloth_fabs(cloth_bend_atan2(g.shear, half)) * (4 / CLOTH_PI);
+  int row = at < 3 ? (int)at : 3;
+  cloth_real f = at - (cloth_real)row;
+  for (int k = 0; k < 4; k++) {
+    cloth_real a = table[4 + 4 * row + k], b = table[8 + 4 * row + k];
+    c[k] = 2 * ((1 - w) * table[k] + w * (a + f * (b - a)));
+  }
+  // fits of knits hold what is no material: it would gain energy by being deformed
+  cloth_real limit = (cloth_real)0.95 * cloth_sqrt(c[0] * c[2]);
+  c[1] = c[1] < limit ? c[1] : limit;
+  c[1] = c[1] > -limit ? c[1] : -limit;
+  c[3] = c[3] > 0 ? c[3] : 0;
 }
 
 // Energy of one triangle [J], without damping. Not called by the solver; the tests differentiate
@@ -161,6 +189,12 @@ CLOTH_FN void cloth_membrane(int i, const cloth_membrane_args *a)
       cloth_membrane_deform(cloth_v3_load(a->x_t0, v[0]), cloth_v3_load(a->x_t0, v[1]),
                             cloth_v3_load(a->x_t0, v[2]), rest);
   cloth_membrane_sym2 g = cloth_membrane_strain(f), g_t0 = cloth_membrane_strain(f_t0);
+  cloth_real measured[4];
+  const cloth_real *table = a->measured ? a->measured + 24 * a->material[i] : 0;
+  if (table && table[0] > 0) {
+    cloth_membrane_measured(g, table, measured);
+    c = measured;
+  }
   g.warp += d * (g.warp - g_t0.warp);
   g.weft += d * (g.weft - g_t0.weft);
   g.shear += d * (g.shear - g_t0.shear);

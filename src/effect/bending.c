@@ -1,10 +1,13 @@
-// Bending over every inner edge; kernels/physics/bend.h holds the model.
+// Bending, by one of three models: kernels/physics/bend.h, bend_quadratic.h, bend_shape.h.
 #include "bend.h"
+#include "bend_quadratic.h"
+#include "bend_shape.h"
+#include "effect/bend_rest.h"
 #include "effect/effect.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static bool wanted(const cloth_sim *sim, char why[160])
 {
@@ -20,92 +23,126 @@ static bool wanted(const cloth_sim *sim, char why[160])
   return false;
 }
 
-// rigidity for bending over an edge: the warp is curved by an edge that runs along the weft
-static double rigidity(const cloth_sim *sim, int hinge, const cloth_material *m)
+// the tables of measured fabrics, if there is one, and where in them each patch looks
+static cloth_status prepare_measured(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
-  double warp[3], along = 0, length = 0;
-  const int *h = sim->hinge + 4 * hinge;
-  cloth_warp_direction(sim, hinge, warp);
-  for (int k = 0; k < 3; k++) {
-    double e = sim->rest[3 * h[1] + k] - sim->rest[3 * h[0] + k];
-    along += e * warp[k];
-    length += e * e;
+  const cloth_bend_rest *r = sim->bend_rest;
+  double table[15 * 64];
+  bool any = false;
+  int n = part->bend.count, cloths = sim->def->cloth_count;
+  if (cloths > 64) CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "%d cloths: at most 64", cloths);
+  for (int c = 0; c < cloths; c++) {
+    const cloth_material *m = &sim->def->cloth[c].material;
+    memcpy(table + 15 * c, m->measured_bending, sizeof m->measured_bending);
+    any |= m->measured_bending[0] > 0;
   }
-  double cos_sq = length > 0 ? along * along / length : 0; // of the angle between edge and warp
-  return m->bend_weft * cos_sq + m->bend_warp * (1 - cos_sq);
-}
-
-static double area(const double *x, const int a, const int b, const int c)
-{
-  double u[3], v[3];
-  for (int k = 0; k < 3; k++)
-    u[k] = x[3 * b + k] - x[3 * a + k], v[k] = x[3 * c + k] - x[3 * a + k];
-  double n[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-  return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
-}
-
-static void rest_hinge(const cloth_sim *sim, int hinge, double *stiffness, double *angle)
-{
-  const int *h = sim->hinge + 4 * hinge;
-  cloth_v3 x[4];
-  double l_sq = 0;
-  for (int k = 0; k < 4; k++)
-    x[k] = cloth_v3_make((cloth_real)(sim->rest[3 * h[k]] - sim->rest[3 * h[0]]),
-                         (cloth_real)(sim->rest[3 * h[k] + 1] - sim->rest[3 * h[0] + 1]),
-                         (cloth_real)(sim->rest[3 * h[k] + 2] - sim->rest[3 * h[0] + 2]));
-  for (int k = 0; k < 3; k++) {
-    double e = sim->rest[3 * h[1] + k] - sim->rest[3 * h[0] + k];
-    l_sq += e * e;
+  if (!any || r->corners != 6) return CLOTH_OK;
+  double *direction = malloc(sizeof(double) * 6 * (size_t)(n + 1));
+  int *material = malloc(sizeof(int) * (size_t)(n + 1));
+  cloth_status status = CLOTH_NO_MEMORY;
+  if (!direction || !material) {
+    cloth_fail(err, status, __FILE__, __LINE__, "measured bending of %d triangles", n);
+    goto done;
   }
-  const cloth_material *m = &sim->def->cloth[cloth_of_vertex(sim, h[0])].material;
-  *stiffness = (double)cloth_bend_stiffness(
-      (cloth_real)rigidity(sim, hinge, m), (cloth_real)sqrt(l_sq),
-      (cloth_real)area(sim->rest, h[0], h[1], h[2]), (cloth_real)area(sim->rest, h[0], h[1], h[3]));
-  *angle = (double)cloth_bend_angle(x[0], x[1], x[2], x[3]);
+  for (int i = 0; i < n; i++) {
+    int from = part->bend.which[i];
+    memcpy(direction + 6 * i, r->direction + 6 * from, sizeof(double) * 6);
+    material[i] = r->cloth[from];
+  }
+  CLOTH_TRY_GOTO(
+      cloth_upload_real(sim, part, "direction", direction, 6 * n, &part->bend_direction, err),
+      status, done);
+  CLOTH_TRY_GOTO(cloth_upload(sim, part, "material", material, sizeof(int) * (size_t)n,
+                              &part->bend_material, err),
+                 status, done);
+  CLOTH_TRY_GOTO(
+      cloth_upload_real(sim, part, "measured", table, 15 * cloths, &part->bend_measured, err),
+      status, done);
+  status = CLOTH_OK;
+done:
+  free(direction), free(material);
+  return status;
 }
 
 static cloth_status prepare(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
-  CLOTH_TRY(cloth_elements_select(part, sim->hinge_count, 4, sim->hinge, true, &part->bend, err));
+  if (sim->bend_rest == NULL) CLOTH_TRY(cloth_bend_rest_new(sim, &sim->bend_rest, err));
+  const cloth_bend_rest *r = sim->bend_rest;
+  int sets = r->corners == 6 ? 6 : 1, angles = r->corners == 6 ? 3 : 1;
+  CLOTH_TRY(cloth_elements_select(part, r->count, r->corners, r->vertex, true, &part->bend, err));
   part->bend.owner = CLOTH_EFFECT_bending;
-  size_t n = (size_t)part->bend.count;
-  double *stiffness = malloc(sizeof *stiffness * (n + 1)), *angle = malloc(sizeof *angle * (n + 1));
+  int n = part->bend.count;
+  bool constant = sim->params.bending_model == CLOTH_BENDING_QUADRATIC;
+  double *stiffness = malloc(sizeof(double) * (size_t)(sets * n + 1));
+  double *angle = malloc(sizeof(double) * (size_t)(angles * n + 1));
+  double *weight = malloc(sizeof(double) * (size_t)(4 * n + 1));
   cloth_status status = CLOTH_NO_MEMORY;
-  if (stiffness == NULL || angle == NULL) {
-    cloth_fail(err, status, __FILE__, __LINE__, "bending of %zu hinges", n);
+  if (!stiffness || !angle || !weight) {
+    cloth_fail(err, status, __FILE__, __LINE__, "bending of %d elements", n);
     goto done;
   }
-  for (size_t i = 0; i < n; i++) rest_hinge(sim, part->bend.which[i], stiffness + i, angle + i);
+  for (int i = 0; i < n; i++) {
+    int from = part->bend.which[i];
+    memcpy(stiffness + sets * i, r->stiffness + sets * from, sizeof(double) * (size_t)sets);
+    memcpy(angle + angles * i, r->angle + angles * from, sizeof(double) * (size_t)angles);
+    memcpy(weight + 4 * i, r->weight + 4 * from, sizeof(double) * 4);
+  }
   CLOTH_TRY_GOTO(
-      cloth_upload_real(sim, part, "stiffness", stiffness, (int)n, &part->bend_stiffness, err),
+      cloth_upload_real(sim, part, "stiffness", stiffness, sets * n, &part->bend_stiffness, err),
       status, done);
-  CLOTH_TRY_GOTO(cloth_upload_real(sim, part, "rest_angle", angle, (int)n, &part->bend_rest, err),
-                 status, done);
+  if (constant)
+    CLOTH_TRY_GOTO(cloth_upload_real(sim, part, "weight", weight, 4 * n, &part->bend_constant, err),
+                   status, done);
+  else
+    CLOTH_TRY_GOTO(
+        cloth_upload_real(sim, part, "rest_angle", angle, angles * n, &part->bend_rest, err),
+        status, done);
+  status = prepare_measured(sim, part, err);
 done:
-  free(stiffness), free(angle);
+  free(stiffness), free(angle), free(weight);
   return status;
 }
 
 static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
-  size_t n = (size_t)part->bend.count;
+  size_t n = (size_t)part->bend.count, corners = (size_t)part->bend.corners;
+  bool patches = corners == 6;
   CLOTH_TRY(cloth_take(sim, part, "damping", sizeof(cloth_real) * n, &part->bend_damping, err));
-  CLOTH_TRY(cloth_take(sim, part, "force", sizeof(cloth_real) * 12 * n, &part->bend_force, err));
   CLOTH_TRY(
-      cloth_take(sim, part, "gradient", sizeof(cloth_real) * 12 * n, &part->bend_gradient, err));
-  return cloth_take(sim, part, "weight", sizeof(cloth_real) * n, &part->bend_weight, err);
+      cloth_take(sim, part, "force", sizeof(cloth_real) * 3 * corners * n, &part->bend_force, err));
+  if (part->bend_constant == NULL)
+    CLOTH_TRY(cloth_take(sim, part, "gradient", sizeof(cloth_real) * (patches ? 36 : 12) * n,
+                         &part->bend_gradient, err));
+  return cloth_take(sim, part, "weight", sizeof(cloth_real) * (patches ? 6 : 1) * n,
+                    &part->bend_weight, err);
 }
 
 static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  cloth_bend_args a = {p->bend.vertex, p->bend_stiffness, p->bend_rest,     p->bend_damping, p->x,
-                       p->x_t0,        p->bend_force,     p->bend_gradient, p->bend_weight};
-  return cloth_launch(sim, p, CLOTH_KERNEL_bend, p->bend.count, &a, err);
+  int n = p->bend.count;
+  if (p->bend.corners == 6) {
+    cloth_bend_shape_args a = {
+        p->bend.vertex,   p->bend_stiffness, p->bend_rest,  p->bend_damping, p->bend_direction,
+        p->bend_measured, p->bend_material,  p->x,          p->x_t0,         p->free,
+        p->bend_force,    p->bend_gradient,  p->bend_weight};
+    return cloth_launch(sim, p, CLOTH_KERNEL_bend_shape, n, &a, err);
+  }
+  if (p->bend_constant) {
+    cloth_bend_quadratic_args a = {
+        p->bend.vertex, p->bend_stiffness, p->bend_constant, p->bend_damping, p->x,
+        p->x_t0,        p->free,           p->bend_force,    p->bend_weight};
+    return cloth_launch(sim, p, CLOTH_KERNEL_bend_quadratic, n, &a, err);
+  }
+  cloth_bend_args a = {
+      p->bend.vertex, p->bend_stiffness, p->bend_rest,  p->bend_damping,  p->x,
+      p->x_t0,        p->free,           p->bend_force, p->bend_gradient, p->bend_weight};
+  return cloth_launch(sim, p, CLOTH_KERNEL_bend, n, &a, err);
 }
 
 const cloth_effect cloth_effect_bending = {
     .name = "bending",
-    .source = "Grinspun et al. 2003, Discrete shells; Gauss-Newton tangent",
+    .source = "Grinspun et al. 2003 (hinge) and 2006 (shape), Bergou et al. 2006 (quadratic); "
+              "Gauss-Newton tangent",
     .wanted = wanted,
     .prepare = prepare,
     .upload = upload,

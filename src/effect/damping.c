@@ -1,6 +1,7 @@
 // Viscous damping, proportional to stiffness inside the membrane and bending kernels, and to mass
 // in the prediction. This module only fills the numbers that those kernels read: beta / h for this
 // substep.
+#include "effect/bend_rest.h"
 #include "effect/effect.h"
 
 #include <stdio.h>
@@ -41,7 +42,8 @@ cloth_status cloth_damping_set(cloth_sim *sim, double h, cloth_error *err)
 {
   if (!sim->active[CLOTH_EFFECT_damping] || sim->damping_h == h) return CLOTH_OK;
   sim->damping_h = h;
-  CLOTH_TRY(cloth_staging(sim, (size_t)(sim->hinge_count + sim->def->cloth_count), err));
+  CLOTH_TRY(cloth_staging(
+      sim, (size_t)(sim->hinge_count + sim->triangle_count + sim->def->cloth_count), err));
   for (int p = 0; p < sim->part_count; p++) {
     cloth_part *part = &sim->part[p];
     if (part->membrane.count > 0) {
@@ -51,13 +53,15 @@ cloth_status cloth_damping_set(cloth_sim *sim, double h, cloth_error *err)
                                     sizeof(cloth_real) * (size_t)sim->def->cloth_count, err));
     }
     if (part->bend.count == 0) continue;
-    for (int i = 0, n = 0; i < sim->hinge_count; i++) { // the part's hinges, in the same order
-      const int *v = sim->hinge + 4 * i;
+    const cloth_bend_rest *r = sim->bend_rest;
+    for (int i = 0, n = 0; i < r->count; i++) { // the part's elements, in the same order
       bool mine = false;
-      for (int k = 0; k < 4; k++) mine |= v[k] >= part->v0 && v[k] < part->v1;
+      for (int k = 0; k < r->corners; k++) {
+        int v = r->vertex[r->corners * i + k];
+        mine |= v >= part->v0 && v < part->v1;
+      }
       if (mine)
-        sim->host[n++] =
-            (cloth_real)(sim->def->cloth[cloth_of_vertex(sim, v[0])].material.damping_bend / h);
+        sim->host[n++] = (cloth_real)(sim->def->cloth[r->cloth[i]].material.damping_bend / h);
     }
     CLOTH_TRY(sim->backend->write(part->device, part->bend_damping, sim->host,
                                   sizeof(cloth_real) * (size_t)part->bend.count, err));

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static bool wanted(const cloth_sim *sim, char why[160])
 {
@@ -60,6 +61,21 @@ static void stiffness_of(const cloth_material *m, double c[4])
   c[3] = m->shear;
 }
 
+// the tables of measured fabrics, if there is one
+static cloth_status upload_measured(cloth_sim *sim, cloth_part *part, cloth_error *err)
+{
+  double table[24 * 64];
+  bool any = false;
+  for (int c = 0; c < sim->def->cloth_count; c++) {
+    const cloth_material *m = &sim->def->cloth[c].material;
+    memcpy(table + 24 * c, m->measured_stretching, sizeof m->measured_stretching);
+    any |= m->measured_stretching[0] > 0;
+  }
+  if (!any) return CLOTH_OK;
+  return cloth_upload_real(sim, part, "measured", table, 24 * sim->def->cloth_count,
+                           &part->membrane_measured, err);
+}
+
 static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
   double stiffness[4 * 64];
@@ -75,6 +91,7 @@ static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
           "poisson^2 stretch_weft must be below stretch_warp",
           sim->def->cloth[c].name, m->poisson, m->stretch_warp, m->stretch_weft);
   }
+  CLOTH_TRY(upload_measured(sim, part, err));
   size_t n = (size_t)part->membrane.count;
   CLOTH_TRY(cloth_upload_real(sim, part, "stiffness", stiffness, 4 * cloths,
                               &part->membrane_stiffness, err));
@@ -94,6 +111,7 @@ static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
                            p->membrane_rest,
                            p->membrane_material,
                            p->membrane_stiffness,
+                           p->membrane_measured,
                            p->membrane_damping,
                            p->x,
                            p->x_t0,

@@ -94,16 +94,21 @@ static cloth_status read_effects(cloth_value at, cloth_def *def, cloth_error *er
 
 // ---- materials ----------------------------------------------------------------------------------
 
-static bool is_prose(const char *key)
+// prose, and what is no single number: scene_material.c
+static bool is_other(const char *key)
 {
-  return strcmp(key, "source") == 0 || strcmp(key, "name") == 0 || strcmp(key, "file") == 0;
+  static const char *const other[] = {"source", "name", "file", "isotropic", "stretching", "bending"};
+  for (size_t i = 0; i < sizeof other / sizeof *other; i++)
+    if (strcmp(key, other[i]) == 0) return true;
+  return false;
 }
 
 static cloth_status read_properties(cloth_value at, cloth_material *out, cloth_error *err)
 {
+  CLOTH_TRY(cloth_read_material_tables(at, out, err));
   for (int i = 0; i < cloth_yaml_count(at); i++) {
     cloth_value property = cloth_yaml_pair(at, i);
-    if (is_prose(property.key)) continue;
+    if (is_other(property.key)) continue;
     CLOTH_TRY(cloth_read_setting(property, cloth_material_table(), out, err));
   }
   return CLOTH_OK;
@@ -111,7 +116,7 @@ static cloth_status read_properties(cloth_value at, cloth_material *out, cloth_e
 
 static cloth_status read_material_file(cloth_value at, cloth_material *out, cloth_error *err)
 {
-  static const char *const more[] = {"name", "source", NULL};
+  static const char *const more[] = {"name", "source", "isotropic", "stretching", "bending", NULL};
   const char *name;
   char *path = NULL;
   CLOTH_TRY(cloth_yaml_text(at, &name, err));
@@ -132,7 +137,7 @@ static cloth_status read_material_file(cloth_value at, cloth_material *out, clot
 
 cloth_status cloth_read_materials(cloth_value at, cloth_materials *out, cloth_error *err)
 {
-  static const char *const more[] = {"file", "name", "source", NULL};
+  static const char *const more[] = {"file", "name", "source", "isotropic", "stretching", "bending", NULL};
   *out = (cloth_materials){0};
   CLOTH_TRY(cloth_yaml_mapping(at, NULL, err));
   int n = cloth_yaml_count(at);

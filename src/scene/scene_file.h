@@ -23,6 +23,9 @@ cloth_status cloth_resolve_variables(cloth_yaml *file, const char *variant, clot
 cloth_status cloth_read_setting(cloth_value at, const cloth_param_info *table, void *base,
                                 cloth_error *err);
 
+/// The tables of a material, into it; numbers that stand beside them are read later and win.
+cloth_status cloth_read_material_tables(cloth_value at, cloth_material *out, cloth_error *err);
+
 /// `materials:`; free(out->item) after use, also after a failure.
 cloth_status cloth_read_materials(cloth_value at, cloth_materials *out, cloth_error *err);
 

@@ -45,11 +45,24 @@ static cloth_status load_only_document(cloth_yaml *file, yaml_parser_t *p, cloth
   return CLOTH_OK;
 }
 
+// JSON is YAML, but for the comments that some programs write into it: lines that begin with //
+static void blank_comments(const char *path, char *text, size_t size)
+{
+  size_t length = strlen(path);
+  if (length < 5 || strcmp(path + length - 5, ".json") != 0) return;
+  for (size_t i = 0, start = 1; i < size; i++) {
+    if (start && text[i] == '/' && i + 1 < size && text[i + 1] == '/')
+      for (; i < size && text[i] != '\n'; i++) text[i] = ' ';
+    if (i < size) start = text[i] == '\n' || (start && (text[i] == ' ' || text[i] == '\t'));
+  }
+}
+
 cloth_status cloth_yaml_open(const char *path, cloth_yaml *out, cloth_error *err)
 {
   *out = (cloth_yaml){.path = cloth_string_copy(path)};
   if (out->path == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: no memory to read it", path);
   CLOTH_TRY(cloth_text_read(path, &out->text, err));
+  blank_comments(path, out->text.data, out->text.size);
   yaml_parser_t parser;
   if (!yaml_parser_initialize(&parser))
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: no memory to read it", path);

@@ -11,6 +11,7 @@ static cloth_incidence incidence(const cloth_elements *e)
 
 cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err)
 {
+  const cloth_incidence none = {NULL, NULL, NULL};
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     cloth_assemble_row_args a = {
@@ -28,10 +29,15 @@ cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err)
         .drag = incidence(&p->drag),
         .drag_force = p->drag_force,
         .drag_tangent = p->drag_tangent,
-        .bend = incidence(&p->bend),
+        .bend = p->bend.corners == 4 ? incidence(&p->bend) : none,
         .bend_force = p->bend_force,
         .bend_gradient = p->bend_gradient,
         .bend_weight = p->bend_weight,
+        .bend_constant = p->bend_constant,
+        .shape = p->bend.corners == 6 ? incidence(&p->bend) : none,
+        .shape_force = p->bend_force,
+        .shape_gradient = p->bend_gradient,
+        .shape_weight = p->bend_weight,
         .contact_first = p->contact_count > 0 ? p->contact_first : NULL,
         .contact_entry = p->contact_entry,
         .contact_weight = p->contact_weight,

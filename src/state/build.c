@@ -1,4 +1,5 @@
 // From a description to what the engine steps: internal numbering, masses, parts and their memory.
+#include "effect/bend_rest.h"
 #include "state/build.h"
 
 #include "chunk.h"
@@ -214,6 +215,7 @@ void cloth_sim_free(void *data)
       free(sim->owns);
   cloth_zones_free(&sim->zones), cloth_tangles_free(&sim->tangles);
   free(sim->blocking.body);
+  cloth_bend_rest_free(sim->bend_rest);
   free(sim->edge_side), free(sim->edge_flat), free(sim->hinge), free(sim->hinge_triangle),
       free(sim->rest), free(sim->mass), free(sim->host), free(sim->held_index);
   free(sim);

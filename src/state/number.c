@@ -208,10 +208,9 @@ void cloth_rest_triangle(const cloth_sim *sim, int triangle, double rest[5])
   rest[4] = fabs(det) / 2;
 }
 
-void cloth_warp_direction(const cloth_sim *sim, int hinge, double warp[3])
+void cloth_warp_direction(const cloth_sim *sim, int t, double warp[3])
 {
-  // dx / d(warp) of the hinge's first triangle, through its material edges
-  int t = sim->hinge_triangle[hinge];
+  // dx / d(warp) through the material edges
   const int *v = sim->triangle + 3 * t;
   double rest[5], size = 0;
   cloth_rest_triangle(sim, t, rest);

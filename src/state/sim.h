@@ -21,6 +21,7 @@
 #include "scene/def.h"
 
 typedef struct cloth_sim cloth_sim;
+typedef struct cloth_bend_rest cloth_bend_rest; // effect/bend_rest.h
 
 enum { CLOTH_CORE = -1 }; // owner of memory and launches that belong to no effect
 
@@ -80,6 +81,10 @@ typedef struct cloth_part {
   cloth_real *membrane_force, *membrane_tangent;     // [count x 9], [count x 45]
   cloth_real *drag_coefficient, *drag_force, *drag_tangent;
   cloth_real *bend_stiffness, *bend_rest, *bend_damping, *bend_force, *bend_gradient, *bend_weight;
+  cloth_real *membrane_measured; // [cloths x 24] N/m, or NULL: no measured fabric
+  cloth_real *bend_direction, *bend_measured; // [bend.count x 6], [cloths x 15] N m, or NULL
+  int *bend_material;                         // [bend.count], or NULL
+  cloth_real *bend_constant; // [bend.count x 4] of quadratic bending, else NULL
   cloth_real *stretch, *stretch_largest; // [membrane.count], [chunks]
 
   // pairs
@@ -208,6 +213,7 @@ struct cloth_sim {
   double *rest;             // [vertex_count x 3] m, scene frame at the start
   double *mass;             // [vertex_count] kg
   double mean_edge;         // m
+  cloth_bend_rest *bend_rest; // all bending elements, while bending is active
 
   cloth_body *body;
   unsigned char *pin_broken; // [pins] 1: pulled off, does not come back before a reset
@@ -298,8 +304,8 @@ cloth_status cloth_topology_build(cloth_sim *sim, cloth_error *err);
 /// Inverse material edge matrix and area of a cloth triangle: [5], see membrane.h.
 void cloth_rest_triangle(const cloth_sim *sim, int triangle, double rest[5]);
 
-/// Unit warp direction in the rest shape, at the first triangle of a hinge.
-void cloth_warp_direction(const cloth_sim *sim, int hinge, double warp[3]);
+/// Unit warp direction in the rest shape, at a cloth triangle.
+void cloth_warp_direction(const cloth_sim *sim, int triangle, double warp[3]);
 
 /// The cloth that an internal vertex, an internal triangle belongs to.
 int cloth_of_vertex(const cloth_sim *sim, int vertex);

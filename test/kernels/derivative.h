@@ -19,7 +19,7 @@ static inline double test_random(void)
 // five-point formula: exact for polynomials of degree 4, else an error of order h^4
 static inline double test_derivative(test_function *f, const double *x, int n, int c, double h)
 {
-  double y[12], v[4];
+  double y[18], v[4];
   memcpy(y, x, (size_t)n * sizeof *y);
   for (int k = 0; k < 4; k++) {
     y[c] = x[c] + h * (double)(k < 2 ? k - 2 : k - 1);
@@ -31,7 +31,7 @@ static inline double test_derivative(test_function *f, const double *x, int n, i
 static inline double test_second_derivative(test_function *f, const double *x, int n, int r, int c,
                                             double h)
 {
-  double y[12], v[4];
+  double y[18], v[4];
   memcpy(y, x, (size_t)n * sizeof *y);
   for (int k = 0; k < 4; k++) {
     y[r] = x[r] + h * (double)(k < 2 ? k - 2 : k - 1);

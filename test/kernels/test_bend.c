@@ -44,7 +44,7 @@ static result evaluate(const double x[12], const double x_t0[12])
   result r;
   cloth_real xr[12], x0[12], f[12], g[12], w[1];
   for (int c = 0; c < 12; c++) xr[c] = (cloth_real)x[c], x0[c] = (cloth_real)x_t0[c];
-  cloth_bend_args a = {hinge, stiffness, rest_angle, damping, xr, x0, f, g, w};
+  cloth_bend_args a = {hinge, stiffness, rest_angle, damping, xr, x0, NULL, f, g, w};
   cloth_bend(0, &a);
   for (int c = 0; c < 12; c++) r.force[c] = (double)f[c], r.gradient[c] = (double)g[c];
   r.weight = (double)w[0];

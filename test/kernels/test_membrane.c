@@ -9,6 +9,7 @@ static const int triangle[3] = {0, 1, 2}, material[1] = {0};
 // corners of the triangle in warp and weft [m]: (0.1, 0), (1.0, 0.2), (0.3, 0.9)
 static const double flat[3][2] = {{0.1, 0}, {1.0, 0.2}, {0.3, 0.9}};
 static cloth_real rest[5], stiffness[4] = {130, 25, 80, 30}, damping[1];
+static const cloth_real *table; // of a measured fabric, or NULL
 static const double tolerance =
     1e4 * 32 * CLOTH_REAL_EPSILON + 1e-7; // differences give 1e-8 or better
 
@@ -27,7 +28,7 @@ static void evaluate(const double x[9], const double x_t0[9], double force[9], d
   static const int packed[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}};
   cloth_real xr[9], x0[9], f[9], k[45];
   for (int c = 0; c < 9; c++) xr[c] = (cloth_real)x[c], x0[c] = (cloth_real)x_t0[c];
-  cloth_membrane_args a = {triangle, rest, material, stiffness, damping, xr, x0, f, k};
+  cloth_membrane_args a = {triangle, rest, material, stiffness, table, damping, xr, x0, f, k};
   cloth_membrane(0, &a);
   for (int c = 0; c < 9; c++) force[c] = (double)f[c];
   for (int p = 0; p < 3; p++) {
@@ -208,6 +209,56 @@ static int stretch_is_largest_singular_value(void)
   return 0;
 }
 
+// The table's own numbers come back: stretched to 7/6 in its five directions, and near zero strain;
+// half way it is half way, beyond it is constant. The oracle is the linear membrane.
+static int measured_fabric_has_the_stiffness_of_its_table(void)
+{
+  static const cloth_real rows[24] = {50,  10, 60,  20, 130, 25, 80,  30, 140, 22, 90,  33,
+                                      150, 20, 100, 36, 160, 18, 110, 39, 170, 16, 120, 42};
+  setup(0);
+  for (int angle = 0; angle < 5; angle++)
+    for (int share = 1; share <= 3; share++) {
+      double turn = acos(-1) / 8 * angle, x[9], force[2][9], full[81];
+      double most = share / 12.0, w = share > 2 ? 1 : share / 2.0; // stretch - 1: 1/12, 1/6, 1/4
+      for (int v = 0; v < 3; v++) {
+        double along = most * (flat[v][0] * cos(turn) + flat[v][1] * sin(turn));
+        x[3 * v] = flat[v][0] + along * cos(turn), x[3 * v + 1] = flat[v][1] + along * sin(turn);
+        x[3 * v + 2] = 0;
+      }
+      table = rows;
+      evaluate(x, x, force[0], full);
+      cloth_real linear[4];
+      memcpy(linear, stiffness, sizeof linear);
+      for (int k = 0; k < 4; k++)
+        stiffness[k] =
+            (cloth_real)(2 * (1 - w)) * rows[k] + (cloth_real)(2 * w) * rows[4 + 4 * angle + k];
+      table = NULL;
+      evaluate(x, x, force[1], full);
+      memcpy(stiffness, linear, sizeof linear);
+      for (int c = 0; c < 9; c++)
+        CHECK_NEAR(force[0][c], force[1][c], 100 * tolerance); // the angle's rounding
+    }
+  return 0;
+}
+
+static int measured_fabric_in_compression_is_that_of_zero_strain(void)
+{
+  static const cloth_real rows[24] = {130, 25, 80, 30};
+  double x[9] = {0.1, 0, 0, 0.8, 0.2, 0, 0.3, 0.7, 0}, force[2][9], full[81];
+  cloth_real linear[4], half[24];
+  setup(0);
+  memcpy(linear, stiffness, sizeof linear);
+  for (int k = 0; k < 24; k++) half[k] = k < 4 ? rows[k] / 2 : 1000;
+  for (int v = 0; v < 3; v++)
+    x[3 * v] = 0.9 * flat[v][0], x[3 * v + 1] = 0.95 * flat[v][1], x[3 * v + 2] = 0;
+  table = half;
+  evaluate(x, x, force[0], full);
+  table = NULL;
+  evaluate(x, x, force[1], full);
+  for (int c = 0; c < 9; c++) CHECK_NEAR(force[0][c], force[1][c], tolerance);
+  return 0;
+}
+
 int main(int argc, char **argv)
 {
   int failures = 0;
@@ -218,5 +269,7 @@ int main(int argc, char **argv)
   RUN(force_and_torque_sum_to_zero);
   RUN(damping_is_proportional_to_stiffness);
   RUN(stretch_is_largest_singular_value);
+  RUN(measured_fabric_has_the_stiffness_of_its_table);
+  RUN(measured_fabric_in_compression_is_that_of_zero_strain);
   return failures != 0;
 }

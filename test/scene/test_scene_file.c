@@ -100,16 +100,61 @@ static int the_documented_example_means_what_it_says(void)
   return 0;
 }
 
+// tables are kept as they are, and the numbers beside them are those near zero strain and curvature
+static int a_measured_fabric_is_read_with_its_tables(void)
+{
+  cloth_def *def;
+  cloth_error err = {0};
+  CHECK_OK(
+      load("materials: {m: {density: 0.2, stretching: [[100, 10, 50, 20], [1, 0, 1, -1], [2, 0, 1, "
+           "1], "
+           "[3, 0, 1, 1], [4, 0, 1, 1], [5, 0, 6, 7]], bending: [[8e-5, 2e-5, 3e-5, 4e-5, 5e-5], "
+           "[1e-5, 2e-5, 3e-5, 4e-5, 5e-5], [4e-5, 2e-5, 3e-5, 4e-5, 6e-5]]}}\n"
+           "cloths: [{name: a, grid: {size: [1, 1], resolution: [2, 2]}, material: m}]\n",
+           &def, &err),
+      err);
+  const cloth_material *m = &def->cloth[0].material;
+  CHECK(m->measured_stretching[1] == 10 && m->measured_stretching[23] == 7);
+  CHECK(m->measured_bending[0] == 8e-5 && m->measured_bending[14] == 6e-5);
+  CHECK_NEAR(m->stretch_warp, 2 * (100 - 10 * 10 / 50.0), 1e-12);
+  CHECK_NEAR(m->stretch_weft, 2 * (50 - 10 * 10 / 100.0), 1e-12);
+  CHECK_NEAR(m->shear, 40, 1e-12);
+  CHECK_NEAR(m->bend_weft, 2e-5, 1e-15); // an edge along the warp curves the weft
+  CHECK_NEAR(m->bend_warp, 1e-5, 1e-15);
+  cloth_def_free(def);
+  return 0;
+}
+
+static int an_isotropic_sheet_has_the_stiffness_of_a_plate(void)
+{
+  cloth_def *def;
+  cloth_error err = {0};
+  CHECK_OK(
+      load("materials: {m: {isotropic: {young: 2e6, poisson: 0.25, thickness: 5e-4}, shear: 7}}\n"
+           "cloths: [{name: a, grid: {size: [1, 1], resolution: [2, 2]}, material: m}]\n",
+           &def, &err),
+      err);
+  const cloth_material *m = &def->cloth[0].material;
+  CHECK_NEAR(m->stretch_warp, 1000, 1e-9);
+  CHECK_NEAR(m->bend_warp / (2e6 * 1.25e-10 / (12 * (1 - 0.0625))), 1, 1e-12);
+  CHECK(m->poisson == 0.25 && m->shear == 7); // what stands beside wins
+  cloth_def_free(def);
+  return 0;
+}
+
 // doc/materials.md shows the numbers of the files and of src/material.inl
 static int every_fabric_loads_and_is_documented(void)
 {
-  static const char *const fabrics[] = {"towel", "cotton", "soft_cotton", "denim", "silk"};
+  static const char *const fabrics[] = {"towel",     "cotton", "denim",   "silk",
+                                        "wool",      "flag",   "leather", "soft_cotton",
+                                        "interlock", "ponte",  "rib_knit"};
+  enum { COUNT = sizeof fabrics / sizeof *fabrics };
   char path[1024], text[2048], row[512];
   source_path("doc/materials.md", path, sizeof path);
   char *page = read_text(path);
   CHECK(page != NULL);
-  cloth_def *def[5];
-  for (int i = 0; i < 5; i++) {
+  cloth_def *def[COUNT];
+  for (int i = 0; i < COUNT; i++) {
     cloth_error err = {0};
     source_path("config/materials", path, sizeof path);
     snprintf(
@@ -121,7 +166,7 @@ static int every_fabric_loads_and_is_documented(void)
   }
   for (const cloth_param_info *p = cloth_material_table(); p->name; p++) {
     int n = snprintf(row, sizeof row, "| `%s` | %s |", p->name, p->unit);
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < COUNT; i++)
       n += snprintf(row + n, sizeof row - (size_t)n, " %g |",
                     *(const double *)((const char *)&def[i]->cloth[0].material + p->offset));
     if (strstr(page, row) == NULL) printf("doc/materials.md has no row %s\n", row);
@@ -131,7 +176,7 @@ static int every_fabric_loads_and_is_documented(void)
     if (strstr(page, row) == NULL) printf("doc/materials.md has no row %s\n", row);
     CHECK(strstr(page, row) != NULL);
   }
-  for (int i = 0; i < 5; i++) cloth_def_free(def[i]);
+  for (int i = 0; i < COUNT; i++) cloth_def_free(def[i]);
   free(page);
   return 0;
 }
@@ -511,6 +556,8 @@ int main(int argc, char **argv)
 {
   int failures = 0;
   RUN(the_documented_example_means_what_it_says);
+  RUN(a_measured_fabric_is_read_with_its_tables);
+  RUN(an_isotropic_sheet_has_the_stiffness_of_a_plate);
   RUN(every_fabric_loads_and_is_documented);
   RUN(the_scenes_of_the_package_load);
   RUN(groups_select_what_they_say);

@@ -31,6 +31,10 @@ CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solv
 CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
 CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level", "3x3 block Jacobi (P-Cloth), or with a coarse level for pulls along the whole cloth")
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
+CLOTH_CHOICE(integrator, 0, "backward_euler|mass_spring", "implicit, finite elements; or explicit, particles and springs (doc/mass_spring.md)")
+CLOTH_PARAM(double, spring_step, 1e-3, "s", 0, 1e-1, "mass_spring: length of a sub-step, the last one of a step is shorter; above the stable limit it is refused; 0 takes 0.9 of the limit")
+CLOTH_PARAM(double, particle_radius, 0, "m", 0, 1, "mass_spring: of the particles that collide; 0 takes 0.4 of the mean edge")
+CLOTH_CHOICE(particle_search, 0, "bins|all_pairs", "mass_spring: how particles find each other; all_pairs tests every pair in every sub-step, for comparison")
 
 // world
 CLOTH_VECTOR(gravity, 0, 0, -9.81, "m/s^2", 1e3, "acceleration of free fall, scene frame")

@@ -3,6 +3,8 @@
 
 #include "assemble_row.h"
 #include "bend.h"
+#include "bin_key.h"
+#include "bin_search.h"
 #include "body_vertex.h"
 #include "box_chunk.h"
 #include "cell_count.h"
@@ -47,6 +49,8 @@
 #include "pcg_update.h"
 #include "predict.h"
 #include "reduce_max.h"
+#include "spring_chunk.h"
+#include "spring_step.h"
 #include "tangle_find.h"
 #include "triangle_box.h"
 #include "vertex_box.h"

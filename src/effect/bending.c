@@ -8,6 +8,10 @@
 
 static bool wanted(const cloth_sim *sim, char why[160])
 {
+  if (cloth_is_mass_spring(sim)) {
+    snprintf(why, 160, "integrator mass_spring has springs instead");
+    return false;
+  }
   for (int c = 0; c < sim->def->cloth_count && sim->hinge_count > 0; c++) {
     const cloth_material *m = &sim->def->cloth[c].material;
     if (!(m->bend_warp > 0 || m->bend_weft > 0)) continue;
@@ -21,7 +25,7 @@ static bool wanted(const cloth_sim *sim, char why[160])
 }
 
 // rigidity for bending over an edge: the warp is curved by an edge that runs along the weft
-static double rigidity(const cloth_sim *sim, int hinge, const cloth_material *m)
+double cloth_hinge_rigidity(const cloth_sim *sim, int hinge, const cloth_material *m)
 {
   double warp[3], along = 0, length = 0;
   const int *h = sim->hinge + 4 * hinge;
@@ -59,7 +63,7 @@ static void rest_hinge(const cloth_sim *sim, int hinge, double *stiffness, doubl
   }
   const cloth_material *m = &sim->def->cloth[cloth_of_vertex(sim, h[0])].material;
   *stiffness = (double)cloth_bend_stiffness(
-      (cloth_real)rigidity(sim, hinge, m), (cloth_real)sqrt(l_sq),
+      (cloth_real)cloth_hinge_rigidity(sim, hinge, m), (cloth_real)sqrt(l_sq),
       (cloth_real)area(sim->rest, h[0], h[1], h[2]), (cloth_real)area(sim->rest, h[0], h[1], h[3]));
   *angle = (double)cloth_bend_angle(x[0], x[1], x[2], x[3]);
 }

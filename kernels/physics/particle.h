@@ -17,15 +17,15 @@
 
 /// The particles that may meet particle i: a list of candidates, or all.
 typedef struct cloth_particles {
-  const uint32_t *first;     // [rows + 1] rows of candidates; NULL: every particle is one
-  const uint32_t *candidate; // ascending in each row
-  uint32_t capacity;         // of candidate; rows beyond it were not written
-  int count;                 // particles
-  cloth_real diameter;       // m, two radii
-  cloth_real inverse_step;   // 1/s, of a whole sub-step
-  cloth_real friction;       // 1, Coulomb coefficient; 0: none
-  const cloth_real *x_rest;  // [count x 3] m
-  const cloth_real *mass;    // [count] kg
+  const uint32_t *listed;    // [rows] candidates of each row; NULL: every particle is one
+  const uint32_t *candidate; // [rows x room] ascending in each row
+  uint32_t room;
+  int count;                // particles
+  cloth_real diameter;      // m, two radii
+  cloth_real inverse_step;  // 1/s, of a whole sub-step
+  cloth_real friction;      // 1, Coulomb coefficient; 0: none
+  const cloth_real *x_rest; // [count x 3] m
+  const cloth_real *mass;   // [count] kg
 } cloth_particles;
 
 /// Force [N] of particle j on particle i, zero when they do not touch; *touch counts up when they
@@ -60,11 +60,10 @@ CLOTH_FN cloth_v3 cloth_particle_sum(const cloth_particles *p, int row, int i, c
                                      const cloth_real *v, int *touch)
 {
   cloth_v3 xi = cloth_v3_load(x, i), f = cloth_v3_make(0, 0, 0);
-  uint32_t begin = p->first ? p->first[row] : 0;
-  uint32_t end = p->first ? p->first[row + 1] : (uint32_t)p->count;
-  if (p->first && end > p->capacity) end = p->capacity; // this block will be done again
-  for (uint32_t e = begin; e < end; e++) {
-    int j = p->first ? (int)p->candidate[e] : (int)e;
+  const uint32_t *list = p->listed ? p->candidate + (uint64_t)row * p->room : 0;
+  uint32_t end = p->listed ? p->listed[row] : (uint32_t)p->count;
+  for (uint32_t e = 0; e < end; e++) {
+    int j = p->listed ? (int)list[e] : (int)e;
     if (j == i) continue;
     f = cloth_v3_add(
         f, cloth_particle_force(p, i, j, cloth_v3_sub(xi, cloth_v3_load(x, j)), v, touch));

@@ -47,7 +47,7 @@ typedef struct cloth_spring_step_args {
   const cloth_real *x_ref; // [n x 3] m, when they were found; NULL: not watched
   cloth_real drift[3];     // m, how far all went since on average
   cloth_real stray;        // m
-  uint32_t *strayed;       // [1] counts up
+  uint32_t *strayed;       // [2] particles that did, and that went half as far: count up
   uint32_t *touch; // [n x 2] contacts with particles, with bodies, written; NULL: not wanted
 } cloth_spring_step_args;
 
@@ -69,12 +69,14 @@ CLOTH_FN cloth_v3 cloth_spring_air_sum(const cloth_spring_air *a, int row, const
   return f;
 }
 
-// does particle i count as strayed? NaN does
-CLOTH_FN int cloth_spring_strays(const cloth_spring_step_args *a, int i)
+// has particle i strayed (NaN has), or at least half as far?
+CLOTH_FN void cloth_spring_watch(const cloth_spring_step_args *a, int i)
 {
   cloth_v3 d = cloth_v3_sub(cloth_v3_load(a->x, i), cloth_v3_load(a->x_ref, i));
   d = cloth_v3_sub(d, cloth_v3_make(a->drift[0], a->drift[1], a->drift[2]));
-  return !(cloth_v3_dot(d, d) <= a->stray * a->stray);
+  cloth_real far_sq = cloth_v3_dot(d, d), most_sq = a->stray * a->stray;
+  if (!(far_sq <= most_sq)) cloth_atomic_add(a->strayed, 1);
+  if (!(4 * far_sq <= most_sq)) cloth_atomic_add(a->strayed + 1, 1);
 }
 
 CLOTH_FN void cloth_spring_step(int row, const cloth_spring_step_args *a)
@@ -87,7 +89,7 @@ CLOTH_FN void cloth_spring_step(int row, const cloth_spring_step_args *a)
   if (a->air.first) f = cloth_v3_add(f, cloth_spring_air_sum(&a->air, row, a->x, a->v));
   if (a->particles.count > 0)
     f = cloth_v3_add(f, cloth_particle_sum(&a->particles, row, i, a->x, a->v, &with_particles));
-  if (a->x_ref && cloth_spring_strays(a, i)) cloth_atomic_add(a->strayed, 1);
+  if (a->x_ref) cloth_spring_watch(a, i);
 
   int slot = a->holds.slot ? a->holds.slot[i] : -1;
   cloth_v3 end, v_end;

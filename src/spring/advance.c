@@ -12,10 +12,7 @@
 #include <string.h>
 #include <time.h>
 
-enum {
-  BLOCK_MAX = 128,
-  CALM_BLOCKS = 4
-}; // sub-steps; blocks that go well before a longer is tried
+enum { BLOCK_MAX = 128 }; // sub-steps
 
 static double now_ms(void)
 {
@@ -68,10 +65,10 @@ static cloth_spring_step_args args_of(const cloth_sim *sim, const cloth_part *p)
         .x_rest = p->x_rest,
         .mass = p->mass};
   if (uses_bins(sim)) {
-    a.particles.first = s->candidate_first, a.particles.candidate = s->candidate;
-    a.particles.capacity = s->candidate_capacity;
+    a.particles.listed = s->listed, a.particles.candidate = s->candidate;
+    a.particles.room = s->candidate_room;
     a.stray = (cloth_real)cloth_spring_stray(sim);
-    a.strayed = s->candidate_first + (p->v1 - p->v0) + 1;
+    a.strayed = s->sums + 2;
   }
   if (sim->active[CLOTH_EFFECT_body_contact])
     a.shapes = (cloth_shapes){.count = sim->def->body_count,
@@ -100,10 +97,11 @@ static void args_at(const cloth_sim *sim, const cloth_part *p, const cloth_sprin
     a->air.wind[c] = (cloth_real)((1 + q->gust * gust) * q->wind[c]);
     a->drift[c] = (cloth_real)(since * (s->mean[c] + since / 2 * s->mean_change[c]));
   }
-  a->shapes.pose_t0 = p->spring.shape_pose + 12 * (size_t)f->body_rows * (size_t)k;
-  a->shapes.pose_t1 =
-      p->spring.shape_pose + 12 * (size_t)f->body_rows * (size_t)(k + !!f->body_rows);
-  a->holds.aim = p->spring.aim + 3 * (size_t)f->held_rows * (size_t)k;
+  if (a->shapes.count > 0) {
+    a->shapes.pose_t0 = p->spring.shape_pose + 12 * (size_t)f->body_rows * (size_t)k;
+    a->shapes.pose_t1 = a->shapes.pose_t0 + 12 * (size_t)f->body_rows;
+  }
+  if (a->holds.slot) a->holds.aim = p->spring.aim + 3 * (size_t)f->held_rows * (size_t)k;
   a->x_ref = uses_bins(sim) && k > 0 ? p->spring.x_ref : NULL; // at first nobody has moved yet
   a->touch = n + 1 == f->count ? p->spring.touch : NULL;
 }
@@ -164,23 +162,21 @@ static cloth_status go_back(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
-// were the candidates complete? If not, the state is that of the start of the block
+// were the candidates complete? If not, the state is that of the start of the block. The next block
+// is as long as speeds allow: shorter after particles strayed, longer when all stayed near.
 static cloth_status judge(cloth_sim *sim, int length, bool *good, cloth_error *err)
 {
   cloth_springs *s = &sim->springs;
-  bool room = true, calm = true;
+  cloth_spring_verdict v = {.room = true};
   *good = true;
   if (!uses_bins(sim)) return CLOTH_OK;
   sim->owner = CLOTH_EFFECT_self_contact;
   for (int i = 0; i < sim->part_count; i++)
-    CLOTH_TRY(cloth_spring_searched(sim, &sim->part[i], &room, &calm, err));
+    CLOTH_TRY(cloth_spring_searched(sim, &sim->part[i], &v, err));
   sim->owner = CLOTH_CORE;
-  *good = room && calm;
-  if (!calm) s->block = length / 2, s->calm = 0;
-  if (*good && length >= s->block && ++s->calm >= CALM_BLOCKS) {
-    s->calm = 0;
-    s->block = 2 * s->block < BLOCK_MAX ? 2 * s->block : BLOCK_MAX;
-  }
+  if (v.strayed) s->block = length / 2;
+  if (!v.nearly && length >= s->block) s->block = 2 * length < BLOCK_MAX ? 2 * length : BLOCK_MAX;
+  *good = v.room && !v.strayed;
   return *good ? CLOTH_OK : go_back(sim, err);
 }
 

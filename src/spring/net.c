@@ -140,6 +140,22 @@ static bool is_lattice(const net *w, int cloth)
   return true;
 }
 
+// A lattice's particles have a quarter of each rectangle around them. (A third of each triangle
+// would make every other particle of alternating diagonals half as heavy, and the step shorter.)
+static void weigh_lattice(net *w, int cloth)
+{
+  cloth_sim *sim = w->sim;
+  double density = sim->def->cloth[cloth].material.density;
+  for (int v = sim->cloth_first[cloth]; v < sim->cloth_first[cloth + 1]; v++) sim->mass[v] = 0;
+  for (int t = sim->triangle_first[cloth]; t < sim->triangle_first[cloth + 1]; t++) {
+    int e = w->diagonal[t], other = sim->edge_side[2 * e] + sim->edge_side[2 * e + 1] - t;
+    double rest[5];
+    cloth_rest_triangle(sim, t, rest);
+    for (int k = 0; k < 3; k++) sim->mass[sim->triangle[3 * t + k]] += density * rest[4] / 4;
+    sim->mass[across(sim, other, e)] += density * rest[4] / 4;
+  }
+}
+
 // ---- stiffness ----------------------------------------------------------------------------------
 
 // tensile stiffness of the net [N/m] along each axis, such that a free strip has that of the fabric
@@ -320,7 +336,10 @@ cloth_status cloth_springs_net(cloth_sim *sim, cloth_error *err)
   cloth_status status;
   CLOTH_TRY_GOTO(net_new(sim, &w, err), status, done);
   measure(&w);
-  for (int c = 0; c < sim->def->cloth_count; c++) w.lattice[c] = is_lattice(&w, c);
+  for (int c = 0; c < sim->def->cloth_count; c++) {
+    w.lattice[c] = is_lattice(&w, c);
+    if (w.lattice[c]) weigh_lattice(&w, c);
+  }
   for (int t = 0; t < sim->triangle_count; t++) {
     if (w.lattice[cloth_of_triangle(sim, t)])
       stretch_lattice(&w, t);

@@ -10,6 +10,8 @@
 
 #include <math.h>
 
+enum { SUMS = 4 }; // of cloth_spring_part
+
 double cloth_spring_stray(const cloth_sim *sim)
 {
   return fmax(sim->params.pair_slack, 2 * sim->springs.radius);
@@ -34,11 +36,12 @@ static cloth_status take(cloth_sim *sim, cloth_part *p, int bits, cloth_error *e
   CLOTH_TRY(cloth_take(sim, p, "binned", 4 * n, &s->binned, err));
   CLOTH_TRY(cloth_take(sim, p, "binned_spare", 4 * n, &s->binned_spare, err));
   CLOTH_TRY(cloth_take(sim, p, "bin_first", 4 * (places + 1), &s->bin_first, err));
-  CLOTH_TRY(cloth_take(sim, p, "candidate_first", 4 * (rows + 2), &s->candidate_first, err));
+  CLOTH_TRY(cloth_take(sim, p, "listed", 4 * rows, &s->listed, err));
+  CLOTH_TRY(cloth_take(sim, p, "sums", 4 * SUMS, &s->sums, err));
   CLOTH_TRY(cloth_take(sim, p, "x_ref", sizeof(cloth_real) * 3 * n, &s->x_ref, err));
   CLOTH_TRY(cloth_take(sim, p, "v_ref", sizeof(cloth_real) * 3 * n, &s->v_ref, err));
-  s->candidate_capacity = (uint32_t)(16 * rows + 16);
-  return cloth_take(sim, p, "candidate", 4 * (size_t)s->candidate_capacity, &s->candidate, err);
+  s->candidate_room = 32; // a flat sheet has about 20
+  return cloth_take(sim, p, "candidate", 4 * rows * s->candidate_room, &s->candidate, err);
 }
 
 cloth_status cloth_spring_search(cloth_sim *sim, cloth_part *p, cloth_error *err)
@@ -59,34 +62,31 @@ cloth_status cloth_spring_search(cloth_sim *sim, cloth_part *p, cloth_error *err
   CLOTH_LAUNCH(sim, p, contact_row, (1 << bits) + 1, &start, err);
   cloth_bin_search_args a = {.bins = bins,
                              .first = p->v0,
-                             .count = sim->vertex_count,
                              .x = p->x_t0,
                              .start = s->bin_first,
                              .particle = s->binned,
-                             .row = s->candidate_first};
-  CLOTH_LAUNCH(sim, p, bin_search, rows, &a, err);
-  CLOTH_TRY(be->scan(p->device, rows, s->candidate_first, err));
-  a.candidate = s->candidate, a.capacity = s->candidate_capacity;
+                             .room = s->candidate_room,
+                             .count = s->listed,
+                             .candidate = s->candidate,
+                             .sums = s->sums};
+  CLOTH_TRY(be->fill(p->device, s->sums, 0, sizeof(uint32_t) * SUMS, err));
   CLOTH_LAUNCH(sim, p, bin_search, rows, &a, err);
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
   CLOTH_TRY(cloth_copy_local(sim, p, s->x_ref, p->x_t0, bytes, err));
-  CLOTH_TRY(cloth_copy_local(sim, p, s->v_ref, p->v, bytes, err));
-  return be->fill(p->device, s->candidate_first + rows + 1, 0, sizeof(uint32_t), err);
+  return cloth_copy_local(sim, p, s->v_ref, p->v, bytes, err);
 }
 
-cloth_status cloth_spring_searched(cloth_sim *sim, cloth_part *p, bool *room, bool *calm,
+cloth_status cloth_spring_searched(cloth_sim *sim, cloth_part *p, cloth_spring_verdict *verdict,
                                    cloth_error *err)
 {
   cloth_spring_part *s = &p->spring;
-  uint32_t count[2]; // candidates, strayed
-  int rows = p->v1 - p->v0;
-  if (rows == 0) return CLOTH_OK;
-  CLOTH_TRY(sim->backend->read(p->device, count, s->candidate_first + rows, sizeof count, err));
-  if (count[1] > 0) *calm = false;
-  sim->report->pairs += (int)(count[0] / 2);
-  if (count[0] <= s->candidate_capacity) return CLOTH_OK;
-  *room = false;
-  CLOTH_TRY(cloth_grow(sim, p, "candidate", 4 * (size_t)count[0], &s->candidate, err));
-  s->candidate_capacity = count[0] + count[0] / 2;
-  return CLOTH_OK;
+  uint32_t sum[SUMS];
+  CLOTH_TRY(sim->backend->read(p->device, sum, s->sums, sizeof sum, err));
+  verdict->strayed |= sum[2] > 0, verdict->nearly |= sum[3] > 0;
+  sim->report->pairs += (int)(sum[0] / 2);
+  if (sum[1] == 0) return CLOTH_OK;
+  verdict->room = false;
+  s->candidate_room *= 2;
+  return cloth_grow(sim, p, "candidate", 4 * (size_t)(p->v1 - p->v0) * (size_t)s->candidate_room,
+                    &s->candidate, err);
 }

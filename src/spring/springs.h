@@ -33,7 +33,7 @@ typedef struct cloth_springs {
   int limited_by;              // vertex whose row sets the limit
   bool holds_known;            // the parts' slots are those of the present holds
   // between two searches: none of this shows in the result
-  int block, calm;                // sub-steps that went well last time; times in a row
+  int block;                      // sub-steps that may go well
   double mean[3], mean_change[3]; // m/s, m/s^2: how all particles moved on average
 } cloth_springs;
 
@@ -50,9 +50,9 @@ typedef struct cloth_spring_part {
   int *slot; // holds
   cloth_real *aim, *impulse;
   uint64_t *bin, *bin_spare; // bins and candidates
-  uint32_t *binned, *binned_spare, *bin_first, *candidate;
-  uint32_t *candidate_first; // [rows + 1], then how many strayed
-  uint32_t candidate_capacity;
+  uint32_t *binned, *binned_spare, *bin_first;
+  uint32_t *listed, *candidate, candidate_room; // see particle.h
+  uint32_t *sums; // candidates, rows without room, particles that strayed, that went half as far
   cloth_real *x_ref, *v_ref; // [n x 3] m, m/s at the last search
   uint32_t *touch;           // [n x 2] contacts
   cloth_real *chunk;         // [chunks x CLOTH_SPRING_FIELDS]
@@ -91,9 +91,14 @@ double cloth_spring_stray(const struct cloth_sim *sim);
 /// known afterwards, see cloth_spring_searched().
 cloth_status cloth_spring_search(struct cloth_sim *sim, struct cloth_part *part, cloth_error *err);
 
-/// Did all candidates find room, and has nobody strayed since the search? Makes room if not.
-cloth_status cloth_spring_searched(struct cloth_sim *sim, struct cloth_part *part, bool *room,
-                                   bool *calm, cloth_error *err);
+typedef struct cloth_spring_verdict {
+  bool room;            // all candidates found room
+  bool strayed, nearly; // somebody strayed since the search, went half as far
+} cloth_spring_verdict;
+
+/// What became of a search: adds to the verdict, and makes room if there was none.
+cloth_status cloth_spring_searched(struct cloth_sim *sim, struct cloth_part *part,
+                                   cloth_spring_verdict *verdict, cloth_error *err);
 
 /// One step while it runs.
 typedef struct cloth_spring_frame {

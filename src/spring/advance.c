@@ -3,6 +3,9 @@
 // sub-step: where bodies and holds will be is written before, and whether all went well is read
 // after it. If particles strayed from the candidates of their search, the block is done again with
 // half as many sub-steps; the result is the same for any cut.
+//
+// Sub-steps are equal unless asked otherwise: a step that is shorter now and then makes modes near
+// the limit grow (doc/mass_spring.md).
 #include "effect/effect.h"
 #include "spring_chunk.h"
 #include "spring_step.h"
@@ -32,6 +35,7 @@ static cloth_spring_frame frame_of(const cloth_sim *sim, double h)
   cloth_spring_frame f = {.h = h, .step = fmin(sim->springs.step, h)};
   f.count = (int)ceil(h / f.step - 1e-9);
   if (f.count < 1) f.count = 1;
+  if (sim->params.spring_cut == 0) f.step = h / f.count;
   return f;
 }
 

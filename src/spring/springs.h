@@ -102,7 +102,7 @@ cloth_status cloth_spring_searched(struct cloth_sim *sim, struct cloth_part *par
 
 /// One step while it runs.
 typedef struct cloth_spring_frame {
-  double h, step; // s, of the whole and of a sub-step
+  double h, step; // s, of the whole and of a sub-step; the last one may be shorter
   int count;      // sub-steps
   int body_rows;  // bodies in each row of shape_pose; 0: they rest, and one row is for all
   int held_rows;  // held vertices in each row of aim, likewise

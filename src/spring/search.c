@@ -14,7 +14,7 @@ enum { SUMS = 4 }; // of cloth_spring_part
 
 double cloth_spring_stray(const cloth_sim *sim)
 {
-  return fmax(sim->params.pair_slack, 2 * sim->springs.radius);
+  return fmax(sim->params.pair_slack, 1.5 * sim->springs.radius);
 }
 
 // as many places as particles, or twice as many
@@ -40,7 +40,7 @@ static cloth_status take(cloth_sim *sim, cloth_part *p, int bits, cloth_error *e
   CLOTH_TRY(cloth_take(sim, p, "sums", 4 * SUMS, &s->sums, err));
   CLOTH_TRY(cloth_take(sim, p, "x_ref", sizeof(cloth_real) * 3 * n, &s->x_ref, err));
   CLOTH_TRY(cloth_take(sim, p, "v_ref", sizeof(cloth_real) * 3 * n, &s->v_ref, err));
-  s->candidate_room = 32; // a flat sheet has about 20
+  s->candidate_room = 32; // a flat sheet has 12
   return cloth_take(sim, p, "candidate", 4 * rows * s->candidate_room, &s->candidate, err);
 }
 

@@ -343,11 +343,11 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
     for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
     for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;
     CLOTH_FAIL(err, CLOTH_UNSTABLE,
-               "step %lld at %g s: a vertex left the bounds (%g m) or is not finite, also at 1/%d "
-               "of the step; "
-               "the state is that before the step",
+               "step %lld at %g s: a vertex left the bounds (%g m) or is not finite, also in "
+               "substeps of %g s; the state is that before the step",
                (long long)sim->step + 1, sim->time, sim->params.bounds,
-               1 << sim->params.step_halvings_max);
+               cloth_is_mass_spring(sim) ? sim->springs.step
+                                         : h / (1 << sim->params.step_halvings_max));
   }
   CLOTH_TRY(arrive(sim, err));
   CLOTH_TRY(cloth_tangles_update(sim, 0, err));

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The ladder of the mass-spring cloth: 25 to 25,600 particles, a frame of 34 sub-steps, bins against
-# all pairs. The scene is config/scenes/mass_spring.yaml with a larger net of the same spacing.
+# all pairs. The scene is config/scenes/mass_spring.yaml with nets of the same spacing.
 #
 #   test/bench/mass_spring.sh [BUILD_DIR] [FILE.csv]
 #
@@ -32,9 +32,8 @@ echo "particles,search,backend,precision,threads,frames,median_ms,min_ms,max_ms,
 one() {
   side=$1
   size=$(awk "BEGIN { print 0.02 * ($side - 1) }")
-  sed "s/grid: .*/grid: {size: [$size, $size], resolution: [$side, $side], pattern: alternating}/" \
-    "$root/config/scenes/mass_spring.yaml" >"$work/net.yaml"
-  "$cloth" bench "$work/net.yaml" --backend "$backend" --precision "$precision" --threads "$threads" \
+  "$cloth" bench "$root/config/scenes/mass_spring.yaml" --variant "side=$side,size=$size" \
+    --backend "$backend" --precision "$precision" --threads "$threads" \
     --warmup "$5" --steps "$3" --repeat "$4" --set particle_search="$2" --csv "$work/net.csv" >"$work/log" || {
     cat "$work/log" >&2
     exit 1

@@ -567,6 +567,8 @@ static int refusals(void)
   cloth_body_pair pair;
   int count;
   CHECK(cloth_body_pairs(scene, 0.01, &pair, 1, &count, &err) == CLOTH_UNSUPPORTED);
+  cloth_tangle_view tangle;
+  CHECK(cloth_tangles(scene, &tangle, 1, &count, &err) == CLOTH_UNSUPPORTED);
   cloth_scene_free(scene);
   def_set(def, "effects.membrane", "on");
   err = (cloth_error){0};

@@ -80,6 +80,12 @@ CLOTH_KERNEL(pcg_residual, 128)
 CLOTH_KERNEL(pcg_finish, 2)
 CLOTH_KERNEL(reduce_max, 256)
 
+// mass-spring
+CLOTH_KERNEL(bin_key, 2048)
+CLOTH_KERNEL(bin_search, 128)
+CLOTH_KERNEL(spring_step, 64)
+CLOTH_KERNEL(spring_chunk, 64)
+
 #ifdef CLOTH_KERNEL_UNEVEN_DEFAULT
 #undef CLOTH_KERNEL_UNEVEN_DEFAULT
 #undef CLOTH_KERNEL_UNEVEN

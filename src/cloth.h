@@ -67,12 +67,24 @@ typedef struct cloth_cloth_view {
   const cloth_group_view *group; // [group_count]
 } cloth_cloth_view;
 
+/// What a body's mesh stands for. The integrator mass_spring collides with these shapes and refuses
+/// CLOTH_SHAPE_MESH; backward_euler collides with the mesh (a plane's is taken to be unbounded).
+typedef enum cloth_shape {
+  CLOTH_SHAPE_MESH,     // nothing but itself
+  CLOTH_SHAPE_BOX,      // size: edge lengths x, y, z
+  CLOTH_SHAPE_SPHERE,   // size: radius
+  CLOTH_SHAPE_CYLINDER, // size: radius, length along z
+  CLOTH_SHAPE_PLANE,    // z <= 0 is solid
+} cloth_shape;
+
 /// One rigid body that moves as told and is never moved by cloth: a robot link, a table.
 typedef struct cloth_body_view {
   const char *name;
   cloth_mesh_view mesh; // material is ignored
   cloth_pose pose;      // at the start
   double friction;      // Coulomb coefficient against cloth, in [0, 10]
+  cloth_shape shape;    // centred at the origin of the body frame
+  double size[3];       // m, of the shape
 } cloth_body_view;
 
 /// An empty description with default parameters. CLOTH_NO_MEMORY.

@@ -5,7 +5,7 @@ pkg_check_modules(YAML REQUIRED IMPORTED_TARGET yaml-0.1)
 
 file(GLOB CLOTH_HOST_SOURCES CONFIGURE_DEPENDS src/*.c src/scene/*.c src/links/*.c src/geometry/*.c)
 file(GLOB CLOTH_ENGINE_SOURCES CONFIGURE_DEPENDS src/engine/*.c src/state/*.c src/effect/*.c
-     src/contact/*.c src/solve/*.c src/ccd/*.c kernels/cpu/*.c)
+     src/contact/*.c src/solve/*.c src/ccd/*.c src/spring/*.c kernels/cpu/*.c)
 list(REMOVE_ITEM CLOTH_HOST_SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/src/step.c)
 list(APPEND CLOTH_ENGINE_SOURCES src/step.c)
 if(NOT CLOTH_CUDA_FOUND)

@@ -31,6 +31,11 @@ CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solv
 CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
 CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level|multilevel", "3x3 block Jacobi (P-Cloth), with a coarse level for pulls along the whole cloth, with levels between (pays above 20,000 vertices)")
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
+CLOTH_CHOICE(integrator, 0, "backward_euler|mass_spring", "implicit, finite elements; or explicit, particles and springs (doc/mass_spring.md)")
+CLOTH_PARAM(double, spring_step, 1e-3, "s", 0, 1e-1, "mass_spring: longest sub-step; above the stable limit it is refused; 0 takes 0.9 of the limit")
+CLOTH_CHOICE(spring_cut, 0, "equal|last_short", "mass_spring: a step's sub-steps are equal, or all but the last are spring_step long")
+CLOTH_PARAM(double, particle_radius, 0, "m", 0, 1, "mass_spring: of the particles that collide; 0 takes 0.4 of the mean edge")
+CLOTH_CHOICE(particle_search, 0, "bins|all_pairs", "mass_spring: how particles find each other; all_pairs tests every pair in every sub-step, for comparison")
 
 CLOTH_PARAM(int, profile, 0, "1", 0, 1, "1: the times of stages are a GPU's own, which makes the host wait after each")
 

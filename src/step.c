@@ -281,6 +281,16 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
   return cloth_friction_save(sim, back, err);
 }
 
+// the whole step by the integrator of the scene
+static cloth_status integrate(cloth_sim *sim, double h, outcome *result, cloth_error *err)
+{
+  if (!cloth_is_mass_spring(sim)) return advance_all(sim, h, result, err);
+  bool good; // sub-steps below the stable limit are not halved
+  CLOTH_TRY(cloth_springs_advance(sim, h, &good, err)); // spring/advance.c
+  *result = good ? OUTCOME_GOOD : OUTCOME_UNSTABLE;
+  return CLOTH_OK;
+}
+
 static cloth_status measure_stretch(cloth_sim *sim, cloth_error *err)
 {
   double worst = 0;
@@ -288,7 +298,7 @@ static cloth_status measure_stretch(cloth_sim *sim, cloth_error *err)
     cloth_part *p = &sim->part[i];
     int n = p->membrane.count, chunks = (n + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
     if (n == 0) continue;
-    sim->owner = CLOTH_EFFECT_membrane;
+    sim->owner = cloth_is_mass_spring(sim) ? CLOTH_EFFECT_springs : CLOTH_EFFECT_membrane;
     cloth_membrane_stretch_args a = {p->membrane.vertex, p->membrane_rest, p->x_t0, p->stretch};
     CLOTH_LAUNCH(sim, p, membrane_stretch, n, &a, err);
     cloth_reduce_max_args r = {n, p->stretch, p->stretch_largest};
@@ -349,7 +359,7 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   CLOTH_TRY(cloth_pins_update(sim, sim->time + h, err));
   place_teleports(sim);
   CLOTH_TRY(save_start(sim, false, err));
-  CLOTH_TRY(advance_all(sim, h, &result, err));
+  CLOTH_TRY(integrate(sim, h, &result, err));
   if (result == OUTCOME_UNSTABLE) {
     CLOTH_TRY(save_start(sim, true, err));
     cloth_guess_free_fall(sim);
@@ -357,11 +367,11 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
     for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
     for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;
     CLOTH_FAIL(err, CLOTH_UNSTABLE,
-               "step %lld at %g s: a vertex left the bounds (%g m) or is not finite, also at 1/%d "
-               "of the step; "
-               "the state is that before the step",
+               "step %lld at %g s: a vertex left the bounds (%g m) or is not finite, also in "
+               "substeps of %g s; the state is that before the step",
                (long long)sim->step + 1, sim->time, sim->params.bounds,
-               1 << sim->params.step_halvings_max);
+               cloth_is_mass_spring(sim) ? sim->springs.step
+                                         : h / (1 << sim->params.step_halvings_max));
   }
   CLOTH_TRY(arrive(sim, err));
   CLOTH_TRY(cloth_tangles_update(sim, 0, err));

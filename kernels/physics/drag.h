@@ -25,10 +25,39 @@ typedef struct cloth_drag_args {
   cloth_real *tangent; // [n x 6]         N/m     for each corner's block: xx yy zz yz zx xy (out)
 } cloth_drag_args;
 
+/// A face in moving air: unit normal, velocity along the face, and what each corner's force is per
+/// velocity across and along.
+typedef struct cloth_drag_face {
+  cloth_v3 n, ut;           // 1, m/s
+  cloth_real un, slip;      // m/s, velocity along n; |ut|
+  cloth_real along, across; // N s/m, a third of rho/2 A C |u|, once for each part
+} cloth_drag_face;
+
+// u: velocity of the face against the wind [m/s]; drag: pressure and skin coefficient
+CLOTH_FN cloth_drag_face cloth_drag_face_make(cloth_v3 x0, cloth_v3 x1, cloth_v3 x2, cloth_v3 u,
+                                              cloth_real half_density, const cloth_real *drag)
+{
+  cloth_drag_face f;
+  f.n = cloth_v3_cross(cloth_v3_sub(x1, x0), cloth_v3_sub(x2, x0));
+  cloth_real doubled = cloth_v3_length(f.n); // twice the area
+  f.n = cloth_v3_scale(doubled > 0 ? 1 / doubled : 0, f.n);
+  f.un = cloth_v3_dot(u, f.n);
+  f.ut = cloth_v3_add_scaled(u, -f.un, f.n);
+  f.slip = cloth_v3_length(f.ut);
+  cloth_real share = half_density * doubled / 6;
+  f.along = share * drag[0] * cloth_fabs(f.un), f.across = share * drag[1] * f.slip;
+  return f;
+}
+
+// on each corner [N]
+CLOTH_FN cloth_v3 cloth_drag_face_force(const cloth_drag_face *f)
+{
+  return cloth_v3_add_scaled(cloth_v3_scale(-f->along * f->un, f->n), -f->across, f->ut);
+}
+
 CLOTH_FN void cloth_drag(int i, const cloth_drag_args *a)
 {
   const int *v = a->triangle + 3 * i;
-  const cloth_real *drag = a->drag + 2 * a->material[i];
   cloth_v3 x0 = cloth_v3_load(a->x, v[0]), x1 = cloth_v3_load(a->x, v[1]),
            x2 = cloth_v3_load(a->x, v[2]);
   // differences first: the positions may be large against the motion
@@ -37,24 +66,15 @@ CLOTH_FN void cloth_drag(int i, const cloth_drag_args *a)
   motion = cloth_v3_add(motion, cloth_v3_sub(x2, cloth_v3_load(a->x_t0, v[2])));
   cloth_v3 u = cloth_v3_sub(cloth_v3_scale(a->inverse_step / 3, motion),
                             cloth_v3_make(a->wind[0], a->wind[1], a->wind[2]));
-
-  cloth_v3 n = cloth_v3_cross(cloth_v3_sub(x1, x0), cloth_v3_sub(x2, x0));
-  cloth_real doubled = cloth_v3_length(n); // twice the area
-  n = cloth_v3_scale(doubled > 0 ? 1 / doubled : 0, n);
-  cloth_real un = cloth_v3_dot(u, n);
-  cloth_v3 ut = cloth_v3_add_scaled(u, -un, n);
-  cloth_real slip = cloth_v3_length(ut);
-
-  // a third of rho/2 A C |u|, once for each part [N s/m]
-  cloth_real share = a->half_density * doubled / 6;
-  cloth_real along = share * drag[0] * cloth_fabs(un), across = share * drag[1] * slip;
-  cloth_v3_store(a->force, i, cloth_v3_add_scaled(cloth_v3_scale(-along * un, n), -across, ut));
+  cloth_drag_face f =
+      cloth_drag_face_make(x0, x1, x2, u, a->half_density, a->drag + 2 * a->material[i]);
+  cloth_v3_store(a->force, i, cloth_drag_face_force(&f));
 
   // d(|u_n| u_n)/du = 2 |u_n| n n',  d(|u_t| u_t)/du = |u_t| (I - n n') + u_t u_t' / |u_t|
   cloth_sym3 k =
-      cloth_sym3_axis(a->inverse_step * across, a->inverse_step * (2 * along - across), n);
-  cloth_v3 t = cloth_v3_scale(slip > 0 ? 1 / slip : 0, ut);
-  cloth_real w = a->inverse_step * across;
+      cloth_sym3_axis(a->inverse_step * f.across, a->inverse_step * (2 * f.along - f.across), f.n);
+  cloth_v3 t = cloth_v3_scale(f.slip > 0 ? 1 / f.slip : 0, f.ut);
+  cloth_real w = a->inverse_step * f.across;
   k.xx += w * t.x * t.x, k.yy += w * t.y * t.y, k.zz += w * t.z * t.z;
   k.yz += w * t.y * t.z, k.zx += w * t.z * t.x, k.xy += w * t.x * t.y;
   cloth_sym3_store(a->tangent, i, k);

@@ -176,7 +176,9 @@ cloth_status cloth_flat_build(cloth_sim *sim, cloth_error *err)
   cloth_status status = CLOTH_OK;
   cloth_flat *f = &sim->flat;
   *f = (cloth_flat){0};
-  if (!sim->active[CLOTH_EFFECT_self_contact] || !sim->params.flat_culling) return CLOTH_OK;
+  if (!sim->active[CLOTH_EFFECT_self_contact] || !sim->params.flat_culling ||
+      cloth_is_mass_spring(sim))
+    return CLOTH_OK;
   t.sheet = calloc((size_t)t.count + 1, sizeof *t.sheet);
   if (t.sheet == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "flat patches");
   for (int c = 0; c < t.count; c++) {

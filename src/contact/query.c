@@ -53,6 +53,8 @@ cloth_status cloth_sim_body_pairs(void *data, double margin, cloth_body_pair *ou
   cloth_sim *sim = data;
   cloth_step_report scratch = {0};
   *count = 0;
+  if (cloth_is_mass_spring(sim))
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "integrator mass_spring has no pairs of triangles");
   if (!sim->active[CLOTH_EFFECT_body_contact]) return CLOTH_OK;
   sim->report = &scratch;
   sim->pairs_valid = false; // the candidates of the simulation are overwritten: it searches again

@@ -113,7 +113,7 @@ cloth_status cloth_tangles_find(cloth_sim *sim, double share, cloth_error *err)
 cloth_status cloth_tangles_update(cloth_sim *sim, double share, cloth_error *err)
 {
   cloth_tangle_list *t = &sim->tangles;
-  if (t->known_free || t->found) return CLOTH_OK;
+  if (t->known_free || t->found || cloth_is_mass_spring(sim)) return CLOTH_OK;
   t->pull_count = 0;
   CLOTH_TRY(cloth_tangles_find(sim, share, err));
   t->found = true;
@@ -175,6 +175,9 @@ cloth_status cloth_sim_tangles(void *data, cloth_tangle_view *out, int capacity,
   cloth_sim *sim = data;
   cloth_step_report scratch = {0};
   cloth_tangle_list *t = &sim->tangles;
+  *count = 0;
+  if (cloth_is_mass_spring(sim))
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "integrator mass_spring has no pairs of triangles");
   sim->report = &scratch;
   CLOTH_TRY(cloth_tangles_find(sim, 0, err));
   *count = t->count;

@@ -68,7 +68,7 @@ static double angle(const cloth_sim *sim, const int h[4])
 // ---- hinges -------------------------------------------------------------------------------------
 
 // rigidity for bending over an edge: the warp is curved by an edge that runs along the weft
-static double rigidity(const cloth_sim *sim, int hinge, const cloth_material *m)
+double cloth_hinge_rigidity(const cloth_sim *sim, int hinge, const cloth_material *m)
 {
   double warp[3], e[3];
   edge(sim, sim->hinge[4 * hinge], sim->hinge[4 * hinge + 1], e);
@@ -104,7 +104,7 @@ static cloth_bend_rest *hinges(const cloth_sim *sim)
     r->cloth[i] = cloth_of_vertex(sim, h[0]);
     edge(sim, h[0], h[1], e);
     r->stiffness[i] = (double)cloth_bend_stiffness(
-        (cloth_real)rigidity(sim, i, &sim->def->cloth[r->cloth[i]].material),
+        (cloth_real)cloth_hinge_rigidity(sim, i, &sim->def->cloth[r->cloth[i]].material),
         (cloth_real)sqrt(dot(e, e)), (cloth_real)area(sim, h[0], h[1], h[2]),
         (cloth_real)area(sim, h[0], h[1], h[3]));
     r->angle[i] = angle(sim, h);

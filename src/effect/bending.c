@@ -11,6 +11,10 @@
 
 static bool wanted(const cloth_sim *sim, char why[160])
 {
+  if (cloth_is_mass_spring(sim)) {
+    snprintf(why, 160, "integrator mass_spring has springs instead");
+    return false;
+  }
   for (int c = 0; c < sim->def->cloth_count && sim->hinge_count > 0; c++) {
     const cloth_material *m = &sim->def->cloth[c].material;
     if (!(m->bend_warp > 0 || m->bend_weft > 0)) continue;

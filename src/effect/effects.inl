@@ -2,6 +2,7 @@
 CLOTH_EFFECT(gravity)
 CLOTH_EFFECT(membrane)
 CLOTH_EFFECT(bending)
+CLOTH_EFFECT(springs)
 CLOTH_EFFECT(damping)
 CLOTH_EFFECT(air)
 CLOTH_EFFECT(pins)

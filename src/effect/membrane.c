@@ -10,6 +10,10 @@
 
 static bool wanted(const cloth_sim *sim, char why[160])
 {
+  if (cloth_is_mass_spring(sim)) {
+    snprintf(why, 160, "integrator mass_spring has springs instead");
+    return false;
+  }
   for (int c = 0; c < sim->def->cloth_count; c++) {
     const cloth_material *m = &sim->def->cloth[c].material;
     if (!(m->stretch_warp > 0 || m->stretch_weft > 0 || m->shear > 0)) continue;

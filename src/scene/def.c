@@ -253,7 +253,11 @@ cloth_status cloth_def_add_cloth(cloth_def *def, const cloth_cloth_view *cloth, 
 static cloth_status fill_body(const cloth_def *def, const cloth_body_view *view,
                               cloth_body_def *out, cloth_error *err)
 {
-  *out = (cloth_body_def){.pose = view->pose, .friction = view->friction};
+  *out = (cloth_body_def){.pose = view->pose,
+                          .friction = view->friction,
+                          .plane = view->shape == CLOTH_SHAPE_PLANE,
+                          .shape = view->shape};
+  memcpy(out->size, view->size, sizeof out->size);
   cloth_error inner = {0};
   if (cloth_pose_normalise(&out->pose, &inner) != CLOTH_OK)
     CLOTH_FAIL(err, CLOTH_BAD_SCENE, "'%s': pose: %s", view->name, inner.text);
@@ -268,6 +272,20 @@ static cloth_status fill_body(const cloth_def *def, const cloth_body_view *view,
   return status;
 }
 
+static cloth_status check_shape(const cloth_body_view *body, cloth_error *err)
+{
+  static const int lengths[] = {0, 3, 1, 2, 0}; // of each cloth_shape
+  int shape = (int)body->shape;
+  if (shape < 0 || shape > CLOTH_SHAPE_PLANE)
+    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "'%s': shape = %d is not in [0, %d]", body->name, shape,
+               CLOTH_SHAPE_PLANE);
+  for (int i = 0; i < lengths[shape]; i++)
+    if (!(body->size[i] >= 1e-6 && body->size[i] <= 1e4))
+      CLOTH_FAIL(err, CLOTH_BAD_SCENE, "'%s': size[%d] = %g [m] is not in [1e-06, 10000]",
+                 body->name, i, body->size[i]);
+  return CLOTH_OK;
+}
+
 cloth_status cloth_def_add_body(cloth_def *def, const cloth_body_view *body, int *index,
                                 cloth_error *err)
 {
@@ -278,6 +296,7 @@ cloth_status cloth_def_add_body(cloth_def *def, const cloth_body_view *body, int
   if (!(body->friction >= 0 && body->friction <= 10))
     CLOTH_FAIL(err, CLOTH_BAD_SCENE, "'%s': friction = %g [1] is not in [0, 10]", body->name,
                body->friction);
+  CLOTH_TRY(check_shape(body, err));
   cloth_body_def *grown = realloc(def->body, sizeof *grown * ((size_t)def->body_count + 1));
   if (grown == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for body '%s'", body->name);
   def->body = grown;

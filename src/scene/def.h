@@ -70,6 +70,8 @@ typedef struct cloth_body_def {
   char *name;
   cloth_mesh mesh; // primitives are triangulated when they are read
   bool plane; // an unbounded half-space: z <= 0 of the body frame is solid. mesh is a square of it
+  cloth_shape shape; // what the mesh stands for
+  double size[3];    // m, see cloth_shape
   cloth_pose pose;
   double friction;
   cloth_motion motion; // key_count 0 and velocity, spin 0: stays where it is told

@@ -207,6 +207,7 @@ cloth_status cloth_read_body(cloth_value at, cloth_def *def, cloth_error *err)
   cloth_pose local = cloth_pose_identity();
   bool plane = false;
   cloth_status status = read_shape(at, &mesh, &local, &plane, err);
+  if (status == CLOTH_OK) status = cloth_read_size(at, &view, err);
   if (status == CLOTH_OK) status = read_body_motion(at, &local, &view.pose, &motion, err);
   if (status == CLOTH_OK) {
     view.mesh = (cloth_mesh_view){mesh.vertex_count, mesh.triangle_count, mesh.position,

@@ -47,6 +47,10 @@ cloth_status cloth_read_mesh_file(cloth_value at, cloth_mesh_file *out, cloth_er
 /// outside.
 cloth_status cloth_read_scale(cloth_value mapping, cloth_mesh *mesh, cloth_error *err);
 
+/// Shape and size of a body whose mesh has been read: it has at most one of box, sphere, cylinder,
+/// plane; others are meshes.
+cloth_status cloth_read_size(cloth_value body, cloth_body_view *view, cloth_error *err);
+
 /// `groups:` of a cloth: add to what the mesh file brought.
 /// sides  the axis (x, y, z) of the sides left, right, bottom and top of the shape; -: it has none
 cloth_status cloth_read_groups(cloth_value at, const char *sides, cloth_mesh_file *file,

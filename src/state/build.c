@@ -54,18 +54,23 @@ static cloth_status take_reals(cloth_sim *sim, cloth_part *p, const char *name, 
 
 static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  int n = sim->vertex_count, all = sim->all_vertices, padded = sim->chunks * CLOTH_CHUNK;
+  int n = sim->vertex_count, all = cloth_is_mass_spring(sim) ? n : sim->all_vertices;
   CLOTH_TRY(take_reals(sim, p, "x_t0", all, 3, &p->x_t0, err));
   CLOTH_TRY(take_reals(sim, p, "x", all, 3, &p->x, err));
   CLOTH_TRY(take_reals(sim, p, "v", n, 3, &p->v, err));
   CLOTH_TRY(take_reals(sim, p, "v_next", n, 3, &p->v_next, err));
-  CLOTH_TRY(take_reals(sim, p, "x_pred", n, 3, &p->x_pred, err));
   CLOTH_TRY(take_reals(sim, p, "x_saved", n, 3, &p->x_saved, err));
   CLOTH_TRY(take_reals(sim, p, "v_saved", n, 3, &p->v_saved, err));
   CLOTH_TRY(cloth_upload_real(sim, p, "x_rest", sim->rest, 3 * n, &p->x_rest, err));
   CLOTH_TRY(cloth_upload_real(sim, p, "mass", sim->mass, n, &p->mass, err));
   for (int i = 0; i < n; i++) sim->host[i] = 1;
-  CLOTH_TRY(cloth_upload(sim, p, "free", sim->host, sizeof(cloth_real) * (size_t)n, &p->free, err));
+  return cloth_upload(sim, p, "free", sim->host, sizeof(cloth_real) * (size_t)n, &p->free, err);
+}
+
+static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  int n = sim->vertex_count, padded = sim->chunks * CLOTH_CHUNK;
+  CLOTH_TRY(take_reals(sim, p, "x_pred", n, 3, &p->x_pred, err));
   cloth_real **solve[] = {&p->b, &p->dx, &p->r, &p->z, &p->p, &p->q};
   for (int i = 0; i < 6; i++) // one more: block_rows.h reads past the last vertex
     CLOTH_TRY(take_reals(sim, p, "solve", padded + 1, 3, solve[i], err));
@@ -171,6 +176,8 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   sim->owner = CLOTH_CORE;
   CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->all_vertices + 16, err));
   CLOTH_TRY(take_vertices(sim, p, err));
+  if (cloth_is_mass_spring(sim)) return cloth_springs_upload(sim, p, err);
+  CLOTH_TRY(take_solve(sim, p, err));
   // worth it when there is something stiff to solve and more than a patch of it
   bool coarse =
       sim->params.preconditioner > 0 && sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
@@ -216,6 +223,7 @@ void cloth_sim_free(void *data)
   cloth_zones_free(&sim->zones), cloth_tangles_free(&sim->tangles);
   free(sim->blocking.body);
   cloth_bend_rest_free(sim->bend_rest);
+  cloth_springs_free(&sim->springs);
   free(sim->edge_side), free(sim->edge_flat), free(sim->hinge), free(sim->hinge_triangle),
       free(sim->rest), free(sim->mass), free(sim->host), free(sim->held_index);
   free(sim);
@@ -245,6 +253,7 @@ static cloth_status build(const cloth_def *def, const cloth_backend *backend, co
   sim->format.bits_a = bits_for(edges > vertices ? edges : vertices);
   sim->format.bits_b = bits_for(edges > triangles ? edges : triangles);
   CLOTH_TRY_GOTO(cloth_effects_choose(sim, err), status, fail);
+  CLOTH_TRY_GOTO(cloth_springs_make(sim, err), status, fail);
   CLOTH_TRY_GOTO(open_parts(sim, err), status, fail);
   for (int p = 0; p < sim->part_count; p++)
     CLOTH_TRY_GOTO(build_part(sim, &sim->part[p], err), status, fail);

@@ -87,6 +87,7 @@ cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err)
 {
   sim->held_count = sim->compliant_count = 0;
   cloth_tangles_suspect(sim); // what a gripper held may reach into its fingers
+  sim->springs.holds_known = false;
   for (int h = 0; h < sim->hold_count; h++) {
     cloth_hold_state *hold = &sim->hold[h];
     if (!hold->alive) continue;
@@ -113,26 +114,31 @@ static cloth_pose frame_now(const cloth_sim *sim, const cloth_hold_state *h)
   return h->body >= 0 ? sim->body[h->body].now : h->now;
 }
 
-static cloth_pose frame_at(const cloth_sim *sim, const cloth_hold_state *h, double share)
+cloth_pose cloth_hold_frame(const cloth_sim *sim, const cloth_hold_state *h, double share)
 {
   if (h->body >= 0)
     return cloth_pose_between(sim->body[h->body].now, sim->body[h->body].target, share);
   return cloth_pose_between(h->now, h->target, share);
 }
 
-cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err)
+void cloth_holds_place(const cloth_sim *sim, double share, cloth_real *aim)
 {
-  CLOTH_TRY(cloth_staging(sim, 3 * (size_t)sim->held_count, err));
   for (int h = 0; h < sim->hold_count; h++) {
     const cloth_hold_state *hold = &sim->hold[h];
     if (!hold->alive) continue;
-    cloth_pose frame = frame_at(sim, hold, share);
+    cloth_pose frame = cloth_hold_frame(sim, hold, share);
     for (int i = 0; i < hold->count; i++) {
       double x[3];
       cloth_pose_point(&frame, hold->local + 3 * i, x);
-      for (int k = 0; k < 3; k++) sim->host[3 * (hold->first + i) + k] = (cloth_real)x[k];
+      for (int k = 0; k < 3; k++) aim[3 * (hold->first + i) + k] = (cloth_real)x[k];
     }
   }
+}
+
+cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err)
+{
+  CLOTH_TRY(cloth_staging(sim, 3 * (size_t)sim->held_count, err));
+  cloth_holds_place(sim, share, sim->host);
   for (int p = 0; p < sim->part_count; p++) {
     cloth_part *part = &sim->part[p];
     CLOTH_TRY(sim->backend->write(part->device, part->aim, sim->host,
@@ -162,7 +168,7 @@ cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err)
     cloth_hold_state *hold = &sim->hold[h];
     memset(hold->force, 0, sizeof hold->force), memset(hold->torque, 0, sizeof hold->torque);
     if (!hold->alive) continue;
-    cloth_pose frame = frame_at(sim, hold, 1);
+    cloth_pose frame = cloth_hold_frame(sim, hold, 1);
     for (int i = 0; i < hold->count; i++) {
       int v = hold->vertex[i];
       double f[3], arm[3], aim[3];

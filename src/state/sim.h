@@ -19,6 +19,7 @@
 #include "pair_key.h"
 #include "real.h"
 #include "scene/def.h"
+#include "spring/springs.h"
 
 typedef struct cloth_sim cloth_sim;
 typedef struct cloth_bend_rest cloth_bend_rest; // effect/bend_rest.h
@@ -132,6 +133,7 @@ typedef struct cloth_part {
 
   uint32_t *allowed; // [n] failsafe, see impact_limit.h
   cloth_zone_part zone;
+  cloth_spring_part spring; // integrator mass_spring
 
   // solve
   int row_slots, row_widest; // slots of all groups, of the longest row
@@ -252,6 +254,7 @@ struct cloth_sim {
   double correction; // m, largest correction of the last Newton iteration of this substep
   cloth_tangle_list tangles;
   cloth_blocking blocking;
+  cloth_springs springs; // integrator mass_spring
   cloth_step_report *report;
 };
 
@@ -284,6 +287,12 @@ void cloth_drop(cloth_sim *sim, cloth_part *part, int owner);
 cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
                           cloth_error *err);
 
+/// Particles and springs instead of a solve (src/spring/)?
+static inline bool cloth_is_mass_spring(const cloth_sim *sim)
+{
+  return sim->params.integrator == CLOTH_MASS_SPRING;
+}
+
 /// Host staging of at least this many cloth_real.
 cloth_status cloth_staging(cloth_sim *sim, size_t reals, cloth_error *err);
 
@@ -306,6 +315,9 @@ void cloth_rest_triangle(const cloth_sim *sim, int triangle, double rest[5]);
 
 /// Unit warp direction in the rest shape, at a cloth triangle.
 void cloth_warp_direction(const cloth_sim *sim, int triangle, double warp[3]);
+
+/// Rigidity [N m] for bending over a hinge (effect/bending.c).
+double cloth_hinge_rigidity(const cloth_sim *sim, int hinge, const cloth_material *m);
 
 /// The cloth that an internal vertex, an internal triangle belongs to.
 int cloth_of_vertex(const cloth_sim *sim, int vertex);
@@ -374,4 +386,6 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
+cloth_pose cloth_hold_frame(const cloth_sim *sim, const cloth_hold_state *h, double share);
+void cloth_holds_place(const cloth_sim *sim, double share, cloth_real *aim); // [held_count x 3] m
 cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_error *err);

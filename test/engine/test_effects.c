@@ -17,6 +17,7 @@ static const wish wishes[] = {
     {"gravity", "", true, false},
     {"membrane", "", true, true},
     {"bending", "", true, true},
+    {"springs", "", true, true},
     {"damping", "membrane bending", false, false}, // numbers that the two others read
     {"damping of mass", "damping", false, false},
     {"air", "", true, true},
@@ -38,12 +39,14 @@ static cloth_scene *scene_with(const char *precision, const wish *w)
   sheet_make(&cloth, 0.3, 0.3, 12, 12);
   solid_box(&body, 0.2, 0.2, 0.02);
   cloth_material m = cloth_material_default();
-  if (!has(w, "membrane")) m.stretch_warp = m.stretch_weft = m.shear = 0;
-  if (!has(w, "bending")) m.bend_warp = m.bend_weft = 0;
+  bool springs = has(w, "springs");
+  if (!has(w, "membrane") && !springs) m.stretch_warp = m.stretch_weft = m.shear = 0;
+  if (!has(w, "bending") && !springs) m.bend_warp = m.bend_weft = 0;
   m.damping_stretch = m.damping_bend = m.damping_mass = 0;
   if (strcmp(w->effect, "damping") == 0) m.damping_stretch = m.damping_bend = 1e-3;
   if (strcmp(w->effect, "damping of mass") == 0) m.damping_mass = 1;
   cloth_def *def = def_new(precision);
+  if (springs) def_set(def, "integrator", "mass_spring"), def_set(def, "spring_step", "0");
   if (!has(w, "gravity")) def_set(def, "gravity", "0 0 0");
   if (has(w, "air")) def_set(def, "air_density", "1.2"), def_set(def, "wind", "1 0 0");
   if (strcmp(w->effect, "friction") != 0) def_set(def, "friction", "0");

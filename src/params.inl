@@ -29,6 +29,7 @@ CLOTH_PARAM(int, newton_iterations_max, 3, "1", 1, 100, "linear systems per subs
 CLOTH_PARAM(double, newton_tolerance, 0.1, "1", 1e-12, 1, "stop when the largest correction is below this share of the contact thickness")
 CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solver at this relative residual")
 CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
+CLOTH_PARAM(double, time_budget, 0, "ms", -1, 1e5, "wall time of a step, which steers tolerance and iterations within bounds (doc/budget.md); 0: none; real_time (-1): time_step")
 CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level", "3x3 block Jacobi (P-Cloth), or with a coarse level for pulls along the whole cloth")
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
 
@@ -46,6 +47,7 @@ CLOTH_PARAM(double, contact_stiffness, 8, "1", 1e-2, 1e6, "contact spring in uni
 CLOTH_PARAM(double, friction, 0.3, "1", 0, 10, "Coulomb coefficient, cloth on cloth")
 CLOTH_PARAM(double, friction_slip_speed, 1e-3, "m/s", 1e-7, 1, "below this slip speed friction is static")
 CLOTH_PARAM(double, pair_slack, 1e-3, "m", 0, 1e-1, "how far a vertex may stray from its prediction before pairs are searched again")
+CLOTH_CHOICE(contact_detection, 0, "continuous|discrete", "stop what would pass through within a step, or only push apart what is close: cheaper, but fast cloth may go through")
 CLOTH_PARAM(int, contact_rounds_max, 2, "1", 0, 100, "times that pairs which would pass through become contacts of a further linear system, before impact zones")
 CLOTH_PARAM(int, zone_iterations_max, 10, "1", 0, 1000, "rounds of impact zones before the failsafe holds back what still passes through")
 CLOTH_CHOICE(flat_culling, 1, "off|on", "leave out pairs inside flat patches, which provably cannot touch; changes no result")

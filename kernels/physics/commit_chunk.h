@@ -8,6 +8,7 @@ enum {
   CLOTH_COMMIT_WORST,
   CLOTH_COMMIT_SPEED,
   CLOTH_COMMIT_ENERGY,
+  CLOTH_COMMIT_CHANGE,
   CLOTH_COMMIT_VELOCITY, // three fields
   CLOTH_COMMIT_FIELDS = CLOTH_COMMIT_VELOCITY + 3
 };
@@ -18,15 +19,16 @@ typedef struct cloth_commit_chunk_args {
   const cloth_real *x;     // [vertices x 3] m
   const cloth_real *mass;  // [vertices] kg
   cloth_real inverse_step; // 1/s
+  const cloth_real *v;     // [vertices x 3] m/s, at the start
   cloth_real *v_next;      // [vertices x 3] m/s, written
   cloth_real *out; // [chunks x CLOTH_COMMIT_FIELDS]: largest |coordinate| [m] (NaN if any is),
-                   // largest speed [m/s], kinetic energy [J], sum of
-                   // velocities [m/s]
+                   // largest speed [m/s], kinetic energy [J], largest change of
+                   // velocity [m/s], sum of velocities [m/s]
 } cloth_commit_chunk_args;
 
 CLOTH_FN void cloth_commit_chunk(int i, const cloth_commit_chunk_args *a)
 {
-  cloth_real worst = 0, speed = 0, energy = 0;
+  cloth_real worst = 0, speed = 0, energy = 0, change = 0;
   cloth_v3 sum = cloth_v3_make(0, 0, 0);
   int begin = a->first + i * CLOTH_CHUNK, end = cloth_chunk_end(a->first, a->count, i);
   for (int k = begin; k < end; k++) {
@@ -38,6 +40,9 @@ CLOTH_FN void cloth_commit_chunk(int i, const cloth_commit_chunk_args *a)
     if (!(far <= worst) && worst == worst) worst = far; // the first NaN stays
     cloth_real v_sq = cloth_v3_dot(v, v);
     if (!(v_sq <= speed)) speed = v_sq;
+    cloth_v3 dv = cloth_v3_sub(v, cloth_v3_load(a->v, k));
+    cloth_real dv_sq = cloth_v3_dot(dv, dv);
+    if (!(dv_sq <= change)) change = dv_sq;
     energy += a->mass[k] * v_sq / 2;
     sum = cloth_v3_add(sum, v);
     cloth_v3_store(a->v_next, k, v);
@@ -46,5 +51,6 @@ CLOTH_FN void cloth_commit_chunk(int i, const cloth_commit_chunk_args *a)
   out[CLOTH_COMMIT_WORST] = worst;
   out[CLOTH_COMMIT_SPEED] = cloth_sqrt(speed);
   out[CLOTH_COMMIT_ENERGY] = energy;
+  out[CLOTH_COMMIT_CHANGE] = cloth_sqrt(change);
   cloth_v3_store(out + CLOTH_COMMIT_VELOCITY, 0, sum);
 }

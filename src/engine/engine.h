@@ -10,6 +10,7 @@ typedef struct cloth_engine {
   cloth_status (*create)(const cloth_def *def, void **out, cloth_error *err); // borrows def
   void (*destroy)(void *sim);
   cloth_status (*step)(void *sim, double h, cloth_step_report *report, cloth_error *err);
+  void (*tune)(void *sim, const cloth_tuning *tuning);
   cloth_status (*hash)(void *sim, uint64_t *out, cloth_error *err);
   double (*time)(const void *sim);
   cloth_status (*positions)(void *sim, int cloth, double *out, cloth_error *err);

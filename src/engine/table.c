@@ -16,6 +16,7 @@ __attribute__((visibility("default"))) const cloth_engine CLOTH_ENGINE = {
     .create = cloth_sim_new,
     .destroy = cloth_sim_free,
     .step = cloth_sim_step,
+    .tune = cloth_sim_tune,
     .hash = cloth_sim_hash,
     .time = cloth_sim_time,
     .positions = cloth_sim_positions,

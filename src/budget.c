@@ -9,6 +9,9 @@ static const double AIM = 0.8;
 static const double CALM = 0.1;
 // Change of the level per halving or doubling of the time: down at once, up with patience.
 static const double DOWN = 0.5, UP = 0.05;
+// With one system its correction is the motion itself: substeps then count as rough and are
+// repeated at half their length, which costs more than the second system.
+enum { LEAST_NEWTON = 2 };
 static const double LOOSEST = 0.1; // pcg_tolerance; the parameter's own upper end
 
 void cloth_budget_reset(cloth_budget *b) { *b = (cloth_budget){.level = 1}; }
@@ -28,7 +31,7 @@ cloth_tuning cloth_budget_choose(const cloth_budget *b, const cloth_params *p)
   double asked = p->pcg_tolerance;
   return (cloth_tuning){
       .pcg_tolerance = asked < LOOSEST ? asked * pow(LOOSEST / asked, 1 - b->level) : asked,
-      .newton_iterations = between(1, p->newton_iterations_max, b->level),
+      .newton_iterations = between(LEAST_NEWTON, p->newton_iterations_max, b->level),
       .contact_rounds = between(1, p->contact_rounds_max, b->level),
   };
 }

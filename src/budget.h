@@ -22,7 +22,7 @@ void cloth_budget_reset(cloth_budget *b);
 double cloth_budget_allowed(const cloth_params *params, double h);
 
 /// What the level stands for. Bounds: pcg_tolerance from the parameter's up to 0.1 (on a
-/// logarithmic scale), Newton iterations from the parameter's down to 1, contact rounds down to 1.
+/// logarithmic scale), Newton iterations from the parameter's down to 2, contact rounds down to 1.
 cloth_tuning cloth_budget_choose(const cloth_budget *b, const cloth_params *params);
 
 /// A step took `ms` of `allowed`: count it and move the level.

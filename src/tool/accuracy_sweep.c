@@ -32,6 +32,7 @@ const sweep_setting accuracy_sweep[] = {
     {"resolution", "x 2", .resolution = 2},
 
     {"pcg_tolerance", "1e-1", .set = {"pcg_tolerance=0.1"}, .quick = true},
+    {"pcg_tolerance", "3e-2", .set = {"pcg_tolerance=3e-2"}},
     {"pcg_tolerance", "1e-3", .set = {"pcg_tolerance=1e-3"}},
     {"pcg_tolerance", "1e-5", .set = {"pcg_tolerance=1e-5"}},
 
@@ -51,6 +52,7 @@ const sweep_setting accuracy_sweep[] = {
     {"combined", "step x 2; mesh / 2; loose", .step = 2, .resolution = 0.5, .set = LOOSE, .quick = true},
     {"combined", "mesh / 2; loose", .resolution = 0.5, .set = LOOSE},
     {"combined", "loose", .set = LOOSE},
+    {"combined", "2 systems; pcg 3e-2; float", .set = {"precision=float", "newton_iterations_max=2", "pcg_tolerance=3e-2"}},
     {"combined", "step / 2; loose", .step = 1.0 / 2, .set = LOOSE},
     {"combined", "step / 4; loose", .step = 1.0 / 4, .set = LOOSE},
     {"combined", "step / 2; pcg 1e-3", .step = 1.0 / 2, .set = {"pcg_tolerance=1e-3"}},

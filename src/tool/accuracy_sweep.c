@@ -7,10 +7,10 @@
     "precision=double", "substeps=1", "newton_iterations_max=10", "newton_tolerance=1e-4",         \
         "pcg_tolerance=1e-8", "pcg_iterations_max=5000", "preconditioner=two_level"                \
   }
-// the least that is called for
+// the least that a budget chooses
 #define LOOSE                                                                                      \
   {                                                                                                \
-    "precision=float", "newton_iterations_max=1", "pcg_tolerance=0.1"                              \
+    "precision=float", "newton_iterations_max=2", "pcg_tolerance=0.1"                              \
   }
 #define FIRM                                                                                       \
   {                                                                                                \

@@ -54,6 +54,7 @@ cloth_status cloth_scene_new(const cloth_def *def, cloth_scene **out, cloth_erro
   cloth_status status;
   s->engine = strcmp(def->precision, "float") == 0 ? &cloth_engine_f32 : &cloth_engine_f64;
   s->fresh = true;
+  cloth_budget_reset(&s->budget);
   CLOTH_TRY_GOTO(cloth_def_clone(def, &s->def, err), status, fail);
   CLOTH_TRY_GOTO(rest_positions(s, err), status, fail);
   CLOTH_TRY_GOTO(s->engine->create(s->def, &s->sim, err), status, fail);
@@ -77,6 +78,38 @@ void cloth_scene_free(cloth_scene *s)
 
 // ---- step ---------------------------------------------------------------------------------------
 
+static void tune(cloth_scene *s, const cloth_tuning *tuning)
+{
+  s->chosen = *tuning;
+  s->engine->tune(s->sim, tuning);
+}
+
+cloth_status cloth_tune(cloth_scene *s, const cloth_tuning *t, cloth_error *err)
+{
+  cloth_params p = s->def->params;
+  p.pcg_tolerance = t->pcg_tolerance;
+  p.newton_iterations_max = t->newton_iterations;
+  p.contact_rounds_max = t->contact_rounds;
+  CLOTH_TRY(cloth_params_check(&p, err));
+  tune(s, t);
+  s->tuned = true;
+  cloth_record_tune(s->recorder, t);
+  return CLOTH_OK;
+}
+
+// the settings of the next step: those of the parameters, unless a budget or a caller chose others
+static void choose(cloth_scene *s, double allowed)
+{
+  const cloth_params *p = &s->def->params;
+  if (s->tuned) return;
+  cloth_tuning t = {p->pcg_tolerance, p->newton_iterations_max, p->contact_rounds_max};
+  if (allowed > 0) {
+    t = cloth_budget_choose(&s->budget, p);
+    cloth_record_tune(s->recorder, &t); // wall time does not come again, so a replay must know
+  }
+  tune(s, &t);
+}
+
 cloth_status cloth_step(cloth_scene *s, double h, cloth_step_report *report, cloth_error *err)
 {
   if (h != 0 && !(h >= 1e-5 && h <= 0.1))
@@ -84,9 +117,16 @@ cloth_status cloth_step(cloth_scene *s, double h, cloth_step_report *report, clo
   cloth_step_report mine;
   if (report == NULL) report = &mine;
   double length = h > 0 ? h : s->def->params.time_step;
+  double allowed = cloth_budget_allowed(&s->def->params, length);
   s->fresh = false;
+  choose(s, allowed);
   cloth_record_step_begin(s->recorder, length);
   cloth_status status = CALL(s, step, length, report, err);
+  s->tuned = false;
+  if (status == CLOTH_OK && allowed > 0) {
+    cloth_budget_measured(&s->budget, allowed, report->wall_ms);
+    cloth_budget_report(&s->budget, allowed, &s->chosen, report);
+  }
   report->state_hash = 0;
   if (status == CLOTH_OK && (s->hash_steps || s->recorder != NULL))
     status = CALL(s, hash, &report->state_hash, err);
@@ -244,6 +284,8 @@ cloth_status cloth_state_set(cloth_scene *s, int c, const double *position, cons
 cloth_status cloth_reset(cloth_scene *s, cloth_error *err)
 {
   CLOTH_TRY(s->engine->reset(s->sim, err));
+  cloth_budget_reset(&s->budget);
+  s->tuned = false;
   s->fresh = true;
   cloth_record_reset(s->recorder);
   return CLOTH_OK;

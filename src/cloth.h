@@ -94,10 +94,25 @@ cloth_status cloth_def_new(cloth_def **out, cloth_error *err);
 /// CLOTH_BAD_SCENE with file, line, key, value, unit and range; nothing is left behind.
 cloth_status cloth_def_load(const char *path, cloth_def **out, cloth_error *err);
 
-/// The same for a variant of the scene. variant (nullable): names of the file's `variants:` and
-/// VARIABLE=VALUE, with commas between, applied in this order: "small,speed=4".
-cloth_status cloth_def_load_variant(const char *path, const char *variant, cloth_def **out,
-                                    cloth_error *err);
+/// How a scene file is read, beside what stands in it.
+typedef struct cloth_load_options {
+  const char *variant; // nullable: names of the file's `variants:` and VARIABLE=VALUE, with commas
+                       // between, applied in this order: "small,speed=4"
+  const char *preset; // nullable: a name (fast, balanced, accurate, reference) or a YAML file; takes
+                      // the place of the file's own `preset:`. What the scene says itself wins
+  double resolution;  // factor on the cells along each side of every `grid` and `tube`; 0 or 1: as
+                      // in the file. Refused where such a cloth has groups by vertex number
+} cloth_load_options;
+
+/// cloth_def_load() with options; NULL: none.
+cloth_status cloth_def_load_with(const char *path, const cloth_load_options *options,
+                                 cloth_def **out, cloth_error *err);
+
+/// How long the scene file says that it runs [s]; 0: it does not.
+double cloth_def_duration(const cloth_def *def);
+
+/// "float" or "double"; borrowed.
+const char *cloth_def_precision(const cloth_def *def);
 
 /// NULL is allowed.
 void cloth_def_free(cloth_def *def);
@@ -145,6 +160,17 @@ const char *cloth_backend_why(const cloth_scene *scene);
 /// Positive status (CLOTH_UNSTABLE: not finite, or out of bounds, after step_halvings_max halvings;
 /// CLOTH_BAD_ARGUMENT): the state is that of before the call. Negative: the scene is lost.
 cloth_status cloth_step(cloth_scene *scene, double h, cloth_step_report *report, cloth_error *err);
+
+/// What a time budget chooses (parameter time_budget, doc/budget.md), for one step.
+typedef struct cloth_tuning {
+  double pcg_tolerance;
+  int newton_iterations; // most linear systems, in [1, 100]
+  int contact_rounds;    // most, in [0, 100]
+} cloth_tuning;
+
+/// Use this for the next step instead of the parameters, or of what the budget would choose. Recorded.
+/// CLOTH_BAD_ARGUMENT: out of the range of the parameter; nothing changed.
+cloth_status cloth_tune(cloth_scene *scene, const cloth_tuning *tuning, cloth_error *err);
 
 /// Ask for cloth_step_report.state_hash at every step (default: off, it reads the state back).
 void cloth_scene_hash_steps(cloth_scene *scene, bool on);

@@ -60,7 +60,22 @@ foreach(precision f32 f64)
 endforeach()
 target_compile_definitions(cloth_engine_f32 PRIVATE CLOTH_SINGLE_PRECISION)
 
+# config/presets/*.yaml as a table, {"NAME", "TEXT"},
+set(CLOTH_PRESETS "")
+file(GLOB presets CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/config/presets/*.yaml)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${presets})
+foreach(preset ${presets})
+  get_filename_component(name ${preset} NAME_WE)
+  file(READ ${preset} text)
+  string(REPLACE "\\" "\\\\" text "${text}")
+  string(REPLACE "\"" "\\\"" text "${text}")
+  string(REPLACE "\n" "\\n" text "${text}")
+  string(APPEND CLOTH_PRESETS "{\"${name}\", \"${text}\"},\n")
+endforeach()
+file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/generated/presets.inl CONTENT "${CLOTH_PRESETS}")
+
 add_library(cloth SHARED ${CLOTH_HOST_SOURCES})
+target_include_directories(cloth PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated)
 cloth_c_target(cloth)
 target_link_libraries(cloth PRIVATE cloth_f32 cloth_f64 PkgConfig::YAML OpenMP::OpenMP_C m)
 target_include_directories(cloth INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>

@@ -2,6 +2,7 @@
 // precision, and the recorder.
 #pragma once
 
+#include "budget.h"
 #include "engine/engine.h"
 #include "record.h"
 
@@ -10,6 +11,9 @@ struct cloth_scene {
   const cloth_engine *engine;
   void *sim;
   cloth_recorder *recorder; // NULL: not recording
+  cloth_budget budget;
+  cloth_tuning chosen; // of this step
+  bool tuned;          // by cloth_tune(), for the next step
   bool hash_steps;
   bool fresh;               // no call has changed it since it was built or reset
   double **rest;            // [cloths] of [vertices x 3] m, scene frame

@@ -207,7 +207,9 @@ cloth_status cloth_param_set(const cloth_param_info *table, void *base, const ch
   case CLOTH_IS_INT:
     return set_int(p, field, value, err);
   case CLOTH_IS_DOUBLE:
-    if (!cloth_number_parse(value, number))
+    if (strcmp(name, "time_budget") == 0 && strcmp(value, "real_time") == 0)
+      number[0] = -1;
+    else if (!cloth_number_parse(value, number))
       CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "%s = '%s' is not a number; [%s] in [%g, %g]", p->name,
                  value, p->unit, p->least, p->most);
     CLOTH_TRY(check_range(p, number, err));

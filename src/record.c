@@ -70,6 +70,11 @@ void cloth_record_step_end(cloth_recorder *r, cloth_status status, uint64_t hash
   if (r->file) r->steps++;
 }
 
+void cloth_record_tune(cloth_recorder *r, const cloth_tuning *t)
+{
+  if (r) put(r, "tune %a %d %d\n", t->pcg_tolerance, t->newton_iterations, t->contact_rounds);
+}
+
 void cloth_record_body_move(cloth_recorder *r, int body, const cloth_pose *pose)
 {
   if (!r) return;

@@ -29,6 +29,7 @@ cloth_status cloth_recorder_close(cloth_recorder *r, cloth_error *err);
 
 void cloth_record_step_begin(cloth_recorder *r, double h);
 void cloth_record_step_end(cloth_recorder *r, cloth_status status, uint64_t hash);
+void cloth_record_tune(cloth_recorder *r, const cloth_tuning *tuning);
 void cloth_record_body_move(cloth_recorder *r, int body, const cloth_pose *pose);
 void cloth_record_body_place(cloth_recorder *r, int body, const cloth_pose *pose);
 void cloth_record_grasp(cloth_recorder *r, const cloth_grasp_view *grasp, cloth_grasp_id id);

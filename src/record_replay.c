@@ -314,6 +314,16 @@ static cloth_status on_reset(replay *r, cloth_error *err)
   return played(r, cloth_reset(r->scene, &cause), &cause, err);
 }
 
+static cloth_status on_tune(replay *r, cloth_error *err)
+{
+  cloth_tuning t;
+  cloth_error cause = {0};
+  CLOTH_TRY(read_number(r, &t.pcg_tolerance, err));
+  CLOTH_TRY(read_int(r, &t.newton_iterations, err));
+  CLOTH_TRY(read_int(r, &t.contact_rounds, err));
+  return played(r, cloth_tune(r->scene, &t, &cause), &cause, err);
+}
+
 static cloth_status on_step(replay *r, cloth_error *err)
 {
   double h;
@@ -380,6 +390,7 @@ static const struct {
     {"grasp", false, on_grasp},        {"carry", false, on_carry},
     {"release", false, on_release},    {"positions", false, on_state},
     {"velocities", false, on_state},   {"reset", false, on_reset},
+    {"tune", false, on_tune},
     {"step", false, on_step},          {"hash", false, on_hash},
     {"fail", false, on_fail},          {"end", false, on_end},
 };

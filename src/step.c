@@ -17,6 +17,8 @@
 
 typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_ROUGH, OUTCOME_UNSTABLE } outcome;
 
+enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
+
 // a body that leaves no room is not cured by ever smaller steps
 enum { IMPACT_HALVINGS = 1, ROUGH_HALVINGS = 2 };
 
@@ -100,6 +102,7 @@ static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
 static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
 {
   int impacts, n = sim->params.newton_iterations_max;
+  if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
   STAGE(ccd, cloth_ccd_detect(sim, &impacts, err)); // ccd/ccd.c
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
     STAGE(contact, cloth_contact_add_impacts(sim, err));
@@ -153,24 +156,27 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     cloth_commit_chunk_args a = {0,       sim->vertex_count,        p->x_t0,   p->x,
-                                 p->mass, (cloth_real)(1 / sim->h), p->v_next, p->commit};
+                                 p->mass, (cloth_real)(1 / sim->h), p->v, p->v_next, p->commit};
     CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
   }
   size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
   CLOTH_TRY(cloth_staging(sim, n, err));
   CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].commit,
                                sizeof(cloth_real) * n, err));
-  double worst = 0, speed = 0, energy = 0;
+  double worst = 0, speed = 0, energy = 0, change = 0;
   for (int c = 0; c < sim->chunks; c++) {
     const cloth_real *f = sim->host + CLOTH_COMMIT_FIELDS * c;
     if (!((double)f[CLOTH_COMMIT_WORST] <= worst)) worst = (double)f[CLOTH_COMMIT_WORST];
     if (!(worst <= sim->params.bounds)) break;
     speed = fmax(speed, (double)f[CLOTH_COMMIT_SPEED]);
     energy += (double)f[CLOTH_COMMIT_ENERGY];
+    change = fmax(change, (double)f[CLOTH_COMMIT_CHANGE]);
   }
   if (!(worst <= sim->params.bounds)) *result = OUTCOME_UNSTABLE;
   sim->report->speed_max = sim->speed_last = speed;
   sim->report->energy_kinetic = energy;
+  // the leading error of backward Euler is h^2 / 2 times the acceleration (Hairer and Wanner 1996)
+  sim->error_estimate = sim->h * change / 2;
   return CLOTH_OK;
 }
 
@@ -263,6 +269,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     sim->report->substeps++;
     sim->report->impacts_left += sim->impacts_left;
     sim->report->newton_correction = fmax(sim->report->newton_correction, sim->correction);
+    sim->report->error_estimate = fmax(sim->report->error_estimate, sim->error_estimate);
     done = to;
   }
   return CLOTH_OK;
@@ -333,6 +340,14 @@ static cloth_status arrive(cloth_sim *sim, cloth_error *err)
     sim->report->grasps_broken++;
   }
   return broken ? cloth_holds_refresh(sim, err) : CLOTH_OK;
+}
+
+void cloth_sim_tune(void *data, const cloth_tuning *t)
+{
+  cloth_sim *sim = data;
+  sim->params.pcg_tolerance = t->pcg_tolerance;
+  sim->params.newton_iterations_max = t->newton_iterations;
+  sim->params.contact_rounds_max = t->contact_rounds;
 }
 
 static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)

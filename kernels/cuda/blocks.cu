@@ -98,10 +98,12 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
   cloth_block_chunk_sums(sum, upper);
   cloth_real worst = chunk_larger(field[CLOTH_COMMIT_WORST], &larger);
   cloth_real speed = chunk_larger(field[CLOTH_COMMIT_SPEED], &larger);
+  cloth_real change = chunk_larger(field[CLOTH_COMMIT_CHANGE], &larger);
   if (threadIdx.x > 0) return;
   cloth_real *out = a.out + CLOTH_COMMIT_FIELDS * (a.first / CLOTH_CHUNK + i);
   out[CLOTH_COMMIT_WORST] = worst;
   out[CLOTH_COMMIT_SPEED] = cloth_sqrt(speed);
+  out[CLOTH_COMMIT_CHANGE] = cloth_sqrt(change);
   for (int f = 0; f < 4; f++) out[CLOTH_COMMIT_ENERGY + f] = sum[f];
 }
 

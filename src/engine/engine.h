@@ -12,6 +12,7 @@ typedef struct cloth_engine {
   const char *(*backend)(const void *sim);
   const char *(*backend_why)(const void *sim);
   cloth_status (*step)(void *sim, double h, cloth_step_report *report, cloth_error *err);
+  void (*tune)(void *sim, const cloth_tuning *tuning);
   cloth_status (*hash)(void *sim, uint64_t *out, cloth_error *err);
   double (*time)(const void *sim);
   cloth_status (*positions)(void *sim, int cloth, double *out, cloth_error *err);

@@ -18,6 +18,7 @@ __attribute__((visibility("default"))) const cloth_engine CLOTH_ENGINE = {
     .backend = cloth_sim_backend,
     .backend_why = cloth_sim_backend_why,
     .step = cloth_sim_step,
+    .tune = cloth_sim_tune,
     .hash = cloth_sim_hash,
     .time = cloth_sim_time,
     .positions = cloth_sim_positions,

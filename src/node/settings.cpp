@@ -264,6 +264,7 @@ void checkSceneType(const string &name, const cloth_param_info *info, XmlRpcValu
 {
   switch (info->kind) {
   case cloth_param_info::CLOTH_IS_DOUBLE:
+    if (string(info->name) == "time_budget" && v.getType() == XmlRpcValue::TypeString) break;
     number(name, v);
     break;
   case cloth_param_info::CLOTH_IS_INT:

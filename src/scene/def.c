@@ -70,6 +70,8 @@ void cloth_def_free(cloth_def *def)
 }
 
 cloth_params *cloth_def_params(cloth_def *def) { return &def->params; }
+const char *cloth_def_precision(const cloth_def *def) { return def->precision; }
+double cloth_def_duration(const cloth_def *def) { return def->duration; }
 
 int cloth_def_find_cloth(const cloth_def *def, const char *name)
 {

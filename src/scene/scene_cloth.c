@@ -6,6 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+// a side of n vertices that end in `ends` more than there are cells, at the wanted resolution
+static void refine(cloth_value at, int *n, int ends)
+{
+  double factor = at.file->resolution;
+  if (!(factor > 0) || factor == 1) return;
+  double cells = fmin(1e6, round((*n - ends) * factor));
+  *n = ends + (int)fmax(ends ? 1 : 3, cells);
+}
+
 static cloth_status read_grid(cloth_value at, cloth_mesh *out, cloth_error *err)
 {
   static const char *const known[] = {"size", "resolution", "pattern", NULL};
@@ -22,6 +31,8 @@ static cloth_status read_grid(cloth_value at, cloth_mesh *out, cloth_error *err)
   CLOTH_TRY(cloth_yaml_list(value, 2, 2, err));
   for (int i = 0; i < 2; i++)
     CLOTH_TRY(cloth_yaml_int(cloth_yaml_item(value, i), "vertices", 2, 10000, &resolution[i], err));
+  refine(at, &resolution[0], 1);
+  refine(at, &resolution[1], 1);
   if (cloth_yaml_find(at, "pattern", &value))
     CLOTH_TRY(cloth_yaml_choice(value, patterns, &pattern, err));
   cloth_error cause = {0};
@@ -45,6 +56,8 @@ static cloth_status read_tube(cloth_value at, cloth_mesh *out, cloth_error *err)
   for (int i = 0; i < 2; i++)
     CLOTH_TRY(
         cloth_yaml_int(cloth_yaml_item(value, i), "vertices", 3 - i, 10000, &resolution[i], err));
+  refine(at, &resolution[0], 0);
+  refine(at, &resolution[1], 1);
   cloth_error cause = {0};
   cloth_status status = cloth_mesh_tube(radius, length, resolution, out, &cause);
   return cloth_yaml_blame(err, at, status, &cause);

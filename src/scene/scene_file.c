@@ -35,7 +35,7 @@ cloth_status cloth_read_setting(cloth_value at, const cloth_param_info *table, v
   char *field = (char *)base + p->offset;
   double number[3];
   int whole;
-  if (p->name && p->kind == CLOTH_IS_DOUBLE) {
+  if (p->name && p->kind == CLOTH_IS_DOUBLE && !cloth_yaml_is_word(at, "real_time")) {
     CLOTH_TRY(cloth_yaml_number(at, p->unit, p->least, p->most, number, err));
     memcpy(field, number, sizeof *number);
     return CLOTH_OK;
@@ -68,7 +68,7 @@ static cloth_status check_table_keys(cloth_value at, const cloth_param_info *tab
   return cloth_yaml_mapping(at, known, err);
 }
 
-static cloth_status read_params(cloth_value at, cloth_def *def, cloth_error *err)
+cloth_status cloth_read_params(cloth_value at, cloth_def *def, cloth_error *err)
 {
   static const char *const none[] = {NULL};
   CLOTH_TRY(check_table_keys(at, cloth_param_table(), none, err));
@@ -175,11 +175,30 @@ static cloth_status read_name(cloth_value root, cloth_def *def, cloth_error *err
   return CLOTH_OK;
 }
 
-static cloth_status read_settings(cloth_value root, cloth_def *def, cloth_error *err)
+// before everything that may say otherwise
+static cloth_status read_preset(cloth_value root, const char *wanted, cloth_def *def,
+                                cloth_error *err)
+{
+  cloth_value at;
+  const char *name;
+  if (cloth_yaml_find(root, "preset", &at)) {
+    CLOTH_TRY(cloth_yaml_text(at, &name, err));
+    if (wanted == NULL) {
+      cloth_error cause = {0};
+      cloth_status status = cloth_preset_apply(name, root.file->path, def, &cause);
+      return cloth_yaml_blame(err, at, status, &cause);
+    }
+  }
+  return wanted ? cloth_preset_apply(wanted, "", def, err) : CLOTH_OK;
+}
+
+static cloth_status read_settings(cloth_value root, const char *preset, cloth_def *def,
+                                  cloth_error *err)
 {
   static const char *const names[] = {"backend", "precision", "devices", "duration"};
   cloth_value at;
   CLOTH_TRY(read_name(root, def, err));
+  CLOTH_TRY(read_preset(root, preset, def, err));
   for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
     char text[512];
     if (!cloth_yaml_find(root, names[i], &at)) continue;
@@ -187,7 +206,7 @@ static cloth_status read_settings(cloth_value root, cloth_def *def, cloth_error 
     cloth_error cause = {0};
     CLOTH_TRY(cloth_yaml_blame(err, at, cloth_def_set(def, names[i], text, &cause), &cause));
   }
-  if (cloth_yaml_find(root, "params", &at)) CLOTH_TRY(read_params(at, def, err));
+  if (cloth_yaml_find(root, "params", &at)) CLOTH_TRY(cloth_read_params(at, def, err));
   if (cloth_yaml_find(root, "effects", &at)) CLOTH_TRY(read_effects(at, def, err));
   return CLOTH_OK;
 }
@@ -209,13 +228,14 @@ static cloth_status read_things(cloth_value root, const cloth_materials *materia
   return CLOTH_OK;
 }
 
-static cloth_status read_scene(cloth_value root, cloth_def *def, cloth_error *err)
+static cloth_status read_scene(cloth_value root, const char *preset, cloth_def *def,
+                               cloth_error *err)
 {
-  static const char *const known[] = {"name",    "variables", "variants", "backend", "precision",
-                                      "devices", "duration",  "params",   "effects", "materials",
-                                      "cloths",  "bodies",    NULL};
+  static const char *const known[] = {"name",      "preset",  "variables", "variants", "backend",
+                                      "precision", "devices", "duration",  "params",   "effects",
+                                      "materials", "cloths",  "bodies",    NULL};
   CLOTH_TRY(cloth_yaml_mapping(root, known, err));
-  CLOTH_TRY(read_settings(root, def, err));
+  CLOTH_TRY(read_settings(root, preset, def, err));
   cloth_materials materials = {0};
   cloth_value at;
   cloth_status status = CLOTH_OK;
@@ -227,19 +247,23 @@ static cloth_status read_scene(cloth_value root, cloth_def *def, cloth_error *er
 
 cloth_status cloth_def_load(const char *path, cloth_def **out, cloth_error *err)
 {
-  return cloth_def_load_variant(path, NULL, out, err);
+  return cloth_def_load_with(path, NULL, out, err);
 }
 
-cloth_status cloth_def_load_variant(const char *path, const char *variant, cloth_def **out,
-                                    cloth_error *err)
+cloth_status cloth_def_load_with(const char *path, const cloth_load_options *options,
+                                 cloth_def **out, cloth_error *err)
 {
+  const cloth_load_options none = {0}, *o = options ? options : &none;
   *out = NULL;
+  if (o->resolution != 0 && !(o->resolution >= 0.01 && o->resolution <= 100))
+    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "resolution = %g [1] is not in [0.01, 100]", o->resolution);
   cloth_yaml file = {0};
   cloth_def *def;
   CLOTH_TRY(cloth_def_new(&def, err));
   cloth_status status = cloth_yaml_open(path, &file, err);
-  if (status == CLOTH_OK) status = cloth_resolve_variables(&file, variant, err);
-  if (status == CLOTH_OK) status = read_scene(cloth_yaml_root(&file), def, err);
+  if (status == CLOTH_OK) status = cloth_resolve_variables(&file, o->variant, err);
+  file.resolution = o->resolution;
+  if (status == CLOTH_OK) status = read_scene(cloth_yaml_root(&file), o->preset, def, err);
   cloth_yaml_close(&file);
   if (status != CLOTH_OK) {
     cloth_def_free(def);

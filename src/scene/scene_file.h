@@ -26,6 +26,15 @@ cloth_status cloth_read_setting(cloth_value at, const cloth_param_info *table, v
 /// The tables of a material, into it; numbers that stand beside them are read later and win.
 cloth_status cloth_read_material_tables(cloth_value at, cloth_material *out, cloth_error *err);
 
+/// `params:`.
+cloth_status cloth_read_params(cloth_value at, cloth_def *def, cloth_error *err);
+
+/// Settings of a preset: precision and parameters. `name` is one of config/presets, or a file, seen
+/// from the folder of the file `beside` ("": from here). CLOTH_BAD_ARGUMENT: there is none of that
+/// name; CLOTH_BAD_SCENE: the file is wrong.
+cloth_status cloth_preset_apply(const char *name, const char *beside, cloth_def *def,
+                                cloth_error *err);
+
 /// `materials:`; free(out->item) after use, also after a failure.
 cloth_status cloth_read_materials(cloth_value at, cloth_materials *out, cloth_error *err);
 

@@ -18,6 +18,11 @@ static const double *vertex(const selection *s, int v) { return s->mesh->positio
 static cloth_status select_vertices(cloth_value at, selection *s, cloth_error *err)
 {
   CLOTH_TRY(cloth_yaml_list(at, 1, -1, err));
+  if (s->sides[2] != '-' && at.file->resolution > 0 && at.file->resolution != 1)
+    CLOTH_YAML_FAIL(err, at,
+                    "numbers mean other vertices at %g times the resolution; use a place "
+                    "(nearest, box, radius, side)",
+                    at.file->resolution);
   for (int i = 0; i < cloth_yaml_count(at); i++) {
     int v;
     CLOTH_TRY(

@@ -57,19 +57,34 @@ static void blank_comments(const char *path, char *text, size_t size)
   }
 }
 
+static cloth_status parse_text(cloth_yaml *out, cloth_error *err)
+{
+  yaml_parser_t parser;
+  if (!yaml_parser_initialize(&parser))
+    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: no memory to read it", out->path);
+  yaml_parser_set_input_string(&parser, (const unsigned char *)out->text.data, out->text.size);
+  cloth_status status = load_only_document(out, &parser, err);
+  yaml_parser_delete(&parser);
+  return status;
+}
+
 cloth_status cloth_yaml_open(const char *path, cloth_yaml *out, cloth_error *err)
 {
   *out = (cloth_yaml){.path = cloth_string_copy(path)};
   if (out->path == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: no memory to read it", path);
   CLOTH_TRY(cloth_text_read(path, &out->text, err));
   blank_comments(path, out->text.data, out->text.size);
-  yaml_parser_t parser;
-  if (!yaml_parser_initialize(&parser))
-    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: no memory to read it", path);
-  yaml_parser_set_input_string(&parser, (const unsigned char *)out->text.data, out->text.size);
-  cloth_status status = load_only_document(out, &parser, err);
-  yaml_parser_delete(&parser);
-  return status;
+  return parse_text(out, err);
+}
+
+cloth_status cloth_yaml_open_text(const char *name, const char *text, cloth_yaml *out,
+                                  cloth_error *err)
+{
+  *out = (cloth_yaml){.path = cloth_string_copy(name)};
+  out->text = (cloth_text){cloth_string_copy(text), strlen(text)};
+  if (out->path == NULL || out->text.data == NULL)
+    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%s: no memory to read it", name);
+  return parse_text(out, err);
 }
 
 void cloth_yaml_close(cloth_yaml *file)
@@ -132,6 +147,11 @@ static void describe(cloth_value at, char *out, size_t size)
 }
 
 // ---- shapes -------------------------------------------------------------------------------------
+
+bool cloth_yaml_is_word(cloth_value at, const char *word)
+{
+  return at.node->type == YAML_SCALAR_NODE && strcmp(scalar_text(at.node), word) == 0;
+}
 
 bool cloth_yaml_is_mapping(cloth_value at) { return at.node->type == YAML_MAPPING_NODE; }
 

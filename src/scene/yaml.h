@@ -10,6 +10,7 @@ typedef struct cloth_yaml {
   char *path;
   cloth_text text;
   yaml_document_t document;
+  double resolution; // factor on the cells of grids that the caller asked for; 0 or 1: none
 } cloth_yaml;
 
 /// A value in an open file. Borrows the file.
@@ -22,6 +23,10 @@ typedef struct cloth_value {
 /// Read a file that holds one document. Call _close() also after a failure.
 /// CLOTH_BAD_SCENE: not there, not YAML, empty, more than one document.
 cloth_status cloth_yaml_open(const char *path, cloth_yaml *out, cloth_error *err);
+
+/// The same with the text of a file that is not on disk; `name` stands for its path in messages.
+cloth_status cloth_yaml_open_text(const char *name, const char *text, cloth_yaml *out,
+                                  cloth_error *err);
 
 /// A zeroed struct is allowed.
 void cloth_yaml_close(cloth_yaml *file);
@@ -52,6 +57,7 @@ cloth_status cloth_yaml_mapping(cloth_value at, const char *const *known, cloth_
 /// Is it a list of at least `least` and, unless negative, at most `most` items?
 cloth_status cloth_yaml_list(cloth_value at, int least, int most, cloth_error *err);
 
+bool cloth_yaml_is_word(cloth_value at, const char *word);
 bool cloth_yaml_is_mapping(cloth_value at);
 bool cloth_yaml_is_list(cloth_value at);
 

@@ -250,8 +250,9 @@ struct cloth_sim {
   size_t host_bytes;
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
-  int impacts_left;  // of this substep
-  double correction; // m, largest correction of the last Newton iteration of this substep
+  int impacts_left;      // of this substep
+  double correction;     // m, largest correction of the last Newton iteration of this substep
+  double error_estimate; // m, of this substep
   cloth_tangle_list tangles;
   cloth_blocking blocking;
   cloth_springs springs; // integrator mass_spring

@@ -5,6 +5,7 @@
 #include "state/sim.h"
 
 cloth_status cloth_sim_step(void *sim, double h, cloth_step_report *report, cloth_error *err);
+void cloth_sim_tune(void *sim, const cloth_tuning *tuning);
 cloth_status cloth_sim_hash(void *sim, uint64_t *out, cloth_error *err);
 double cloth_sim_time(const void *sim);
 cloth_status cloth_sim_positions(void *sim, int cloth, double *out, cloth_error *err);

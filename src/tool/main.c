@@ -7,8 +7,8 @@
 #include <unistd.h>
 
 static const tool_command *const commands[] = {
-    &tool_run,   &tool_info, &tool_replay,   &tool_bench, &tool_params,
-    &tool_check, &tool_ccd,  &tool_ccd_mesh, &tool_links, NULL,
+    &tool_run, &tool_info,     &tool_replay, &tool_bench,    &tool_params, &tool_check,
+    &tool_ccd, &tool_ccd_mesh, &tool_links,  &tool_accuracy, NULL,
 };
 
 static void print_usage(FILE *out)

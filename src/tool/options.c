@@ -10,6 +10,9 @@
 
 const tool_option tool_scene_options[] = {
     {"variant", "LIST", "variants of the scene file, and VARIABLE=VALUE, e.g. small,speed=4"},
+    {"preset", "NAME",
+     "fast, balanced, accurate, reference or a YAML file; what the scene says itself wins"},
+    {"resolution", "F", "factor on the cells along each side of every grid and tube"},
     {"backend", "NAME", "auto, cpu, cuda or shuffle"},
     {"devices", "LIST", "one device for each part, e.g. cpu,cpu or 0,0"},
     {"precision", "NAME", "float or double"},

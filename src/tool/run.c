@@ -126,6 +126,7 @@ typedef struct run {
   tool_output *output; // NULL: nothing is written
   int64_t steps, mesh_every;
   totals totals;
+  cloth_step_report last;
   progress progress;
 } run;
 
@@ -140,6 +141,7 @@ static cloth_status run_steps(run *r, cloth_error *err)
     CLOTH_TRY(cloth_step(r->scene, 0, &report, err));
     totals_add(&r->totals, &report, tool_clock() - before);
     if (report.bodies_blocking > 0) CLOTH_TRY(tool_blocking_add(r->scene, r->totals.blocking, err));
+    r->last = report;
     if (r->output) CLOTH_TRY(tool_output_report(r->output, &report, err));
     bool last = i == r->steps || stop_signal;
     if (r->mesh_every > 0 && (i % r->mesh_every == 0 || last))
@@ -147,6 +149,18 @@ static cloth_status run_steps(run *r, cloth_error *err)
     progress_show(&r->progress, &r->totals, &report);
   }
   return CLOTH_OK;
+}
+
+static void print_budget(const cloth_step_report *r)
+{
+  if (!(r->budget_ms > 0)) return;
+  printf("budget            %.4g ms a step: missed in %" PRId64 "; of the last steps half took at "
+         "most %.3g ms, 99 %% at most %.3g ms, the longest %.3g ms\n",
+         r->budget_ms, r->deadlines_missed, r->wall_p50, r->wall_p99, r->wall_worst);
+  printf(
+      "                  last chosen: pcg_tolerance %.2g, %d Newton iterations, %d contact rounds; "
+      "not deterministic\n",
+      r->chosen_pcg_tolerance, r->chosen_newton_iterations, r->chosen_contact_rounds);
 }
 
 static void print_summary(const run *r, uint64_t hash)
@@ -174,6 +188,7 @@ static void print_summary(const run *r, uint64_t hash)
   if (t->teleports)
     printf("teleports         %" PRId64 " bodies placed, not swept\n", t->teleports);
   if (t->blocking_steps) tool_blocking_print(r->scene, t->blocking, t->blocking_steps);
+  print_budget(&r->last);
   if (t->unconverged) printf("unconverged       %" PRId64 " linear solves\n", t->unconverged);
   printf("state hash        %016" PRIx64 "\n", hash);
 }

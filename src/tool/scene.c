@@ -24,13 +24,30 @@ static cloth_status set_pair(cloth_def *def, const char *pair, cloth_error *err)
 cloth_status tool_scene_load(const tool_arguments *args, const char *path, cloth_def **out,
                              cloth_error *err)
 {
+  cloth_load_options options = {.variant = tool_text(args, "variant"),
+                                .preset = tool_text(args, "preset")};
+  CLOTH_TRY(tool_number(args, "resolution", "1", 0.01, 100, &options.resolution, err));
+  return tool_scene_load_with(args, path, &options, out, err);
+}
+
+// options that are spent when the file is read
+static bool is_for_loading(const char *option)
+{
+  return strcmp(option, "variant") == 0 || strcmp(option, "preset") == 0 ||
+         strcmp(option, "resolution") == 0;
+}
+
+cloth_status tool_scene_load_with(const tool_arguments *args, const char *path,
+                                  const cloth_load_options *options, cloth_def **out,
+                                  cloth_error *err)
+{
   cloth_status status;
   *out = NULL;
-  CLOTH_TRY_GOTO(cloth_def_load_variant(path, tool_text(args, "variant"), out, err), status, fail);
+  CLOTH_TRY_GOTO(cloth_def_load_with(path, options, out, err), status, fail);
   for (int i = 0; i < args->given_count; i++) {
     const tool_given *given = &args->given[i];
     for (const tool_option *option = tool_scene_options; option->name; option++) {
-      if (given->option != option || strcmp(option->name, "variant") == 0) continue;
+      if (given->option != option || is_for_loading(option->name)) continue;
       status = strcmp(option->name, "set") == 0
                    ? set_pair(*out, given->value, err)
                    : cloth_def_set(*out, option->name, given->value, err);

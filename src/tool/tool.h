@@ -83,6 +83,11 @@ int tool_exit_code(cloth_status status);
 cloth_status tool_scene_load(const tool_arguments *args, const char *path, cloth_def **out,
                              cloth_error *err);
 
+/// The same with load options of the caller's in place of --preset and --resolution.
+cloth_status tool_scene_load_with(const tool_arguments *args, const char *path,
+                                  const cloth_load_options *options, cloth_def **out,
+                                  cloth_error *err);
+
 /// Seconds on a clock that only goes forward.
 double tool_clock(void);
 
@@ -92,4 +97,4 @@ const char *tool_bytes(uint64_t bytes, char out[32]);
 // ---- the subcommands ---------------------------------------------------------------------------
 
 extern const tool_command tool_links, tool_run, tool_info, tool_replay, tool_bench, tool_params,
-    tool_check, tool_ccd, tool_ccd_mesh;
+    tool_check, tool_ccd, tool_ccd_mesh, tool_accuracy;

@@ -501,18 +501,22 @@ static int variants_are_applied_in_their_order(void)
   cloth_def *def;
   for (int i = 0; i < 7; i++) {
     cloth_error err = {0};
-    CHECK_OK(cloth_def_load_variant(path, good[i].variant, &def, &err), err);
+    CHECK_OK(
+        cloth_def_load_with(path, &(cloth_load_options){.variant = good[i].variant}, &def, &err),
+        err);
     CHECK(def->duration == good[i].t && def->cloth[0].mesh.vertex_count == 2 * good[i].n);
     cloth_def_free(def);
   }
   for (int i = 0; i < 5; i++) {
     cloth_error err = {0};
-    CHECK(cloth_def_load_variant(path, bad[i].variant, &def, &err) == CLOTH_BAD_SCENE);
+    CHECK(cloth_def_load_with(path, &(cloth_load_options){.variant = bad[i].variant}, &def, &err) ==
+          CLOTH_BAD_SCENE);
     CHECK(def == NULL && strstr(err.text, bad[i].expected) != NULL);
   }
   path = folder_write(&f, "s.yaml", "variables: {t: 1}\nvariants: {a: {u: 1}}\nduration: $t\n");
   cloth_error err = {0};
-  CHECK(cloth_def_load_variant(path, "a", &def, &err) == CLOTH_BAD_SCENE);
+  CHECK(cloth_def_load_with(path, &(cloth_load_options){.variant = "a"}, &def, &err) ==
+        CLOTH_BAD_SCENE);
   CHECK(strstr(err.text, ":2: key 'u': no such variable; the nearest is 't'") != NULL);
   folder_remove(&f);
   return 0;
@@ -532,7 +536,7 @@ static int the_small_scenes_of_the_package_load(void)
     cloth_error err = {0};
     snprintf(name, sizeof name, "config/scenes/%s.yaml", scenes[i]);
     source_path(name, path, sizeof path);
-    CHECK_OK(cloth_def_load_variant(path, "small", &def, &err), err);
+    CHECK_OK(cloth_def_load_with(path, &(cloth_load_options){.variant = "small"}, &def, &err), err);
     int vertices = 0;
     for (int c = 0; c < def->cloth_count; c++) vertices += def->cloth[c].mesh.vertex_count;
     CHECK(vertices < 2000 && def->duration > 0);

@@ -11,6 +11,8 @@ if(Python3_FOUND AND TARGET cloth_command)
            $<TARGET_FILE:cloth_command> ${CLOTH_CHECK_MESHES})
   add_test(NAME tool_links COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/test_links.py
            $<TARGET_FILE:cloth_command>)
+  add_test(NAME tool_accuracy COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/test_accuracy.py
+           $<TARGET_FILE:cloth_command>)
   # the tables of README.md are the code's
   add_test(NAME readme COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_LIST_DIR}/../test_readme.py
            $<TARGET_FILE:cloth_command>)

@@ -302,17 +302,28 @@ TEST(Tangle, WhatIsWorkedOutIsFreeByExactPredicates)
     }
 }
 
+// The flat sides of boxes are two triangles; what slides over the seam between them is no worse.
+std::set<Pair> by_side(const std::set<Pair> &pairs)
+{
+  std::set<Pair> out;
+  for (Pair p : pairs) {
+    if (std::get<0>(p)) std::get<4>(p) /= 2;
+    out.insert(p);
+  }
+  return out;
+}
+
 TEST(Tangle, WhatIsOnlyKeptNeverGetsWorse)
 {
   for (const char *precision : precisions)
     for (const Case &c : cases) {
       Scene s(precision, "false");
       c.build(&s);
-      const std::set<Pair> start = pairs_of(s.exact());
+      const std::set<Pair> start = by_side(pairs_of(s.exact()));
       for (int n = 0; n < 40; n++) {
         s.step();
         if (n % 8 != 7) continue;
-        for (const Pair &p : pairs_of(s.exact()))
+        for (const Pair &p : by_side(pairs_of(s.exact())))
           ASSERT_TRUE(start.count(p)) << c.name << " " << precision << ", step " << n + 1;
       }
     }

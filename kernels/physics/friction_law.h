@@ -48,7 +48,7 @@ CLOTH_FN cloth_friction_frame cloth_friction_frame_of(const cloth_contact_scene 
                                                       cloth_v3 normal)
 {
   cloth_friction_frame f;
-  if (p.type == CLOTH_VERTEX_FACE) {
+  if (p.type != CLOTH_EDGE_EDGE) { // also what pulls a vertex through a face
     const int *c = s->triangle + 3 * p.b;
     f.axis[0] = cloth_v3_unit(cloth_friction_side(s->x_t0, c[0], c[1]));
     f.axis[2] = cloth_friction_face_normal(s, s->x_t0, p.b);

@@ -261,8 +261,8 @@ static cloth_status load_hold(cloth_sim *sim, reader *r, int index, int *held, c
 static bool pair_exists(const cloth_sim *sim, uint64_t key)
 {
   cloth_pair p = cloth_pair_unpack(sim->format, key);
-  if (p.type == CLOTH_VERTEX_FACE) return p.a < sim->all_vertices && p.b < sim->all_triangles;
-  return p.type == CLOTH_EDGE_EDGE && p.a < sim->all_edges && p.b < sim->all_edges;
+  if (p.type == CLOTH_EDGE_EDGE) return p.a < sim->all_edges && p.b < sim->all_edges;
+  return p.a < sim->all_vertices && p.b < sim->all_triangles;
 }
 
 static cloth_status load_friction(cloth_sim *sim, reader *r, int count, cloth_error *err)

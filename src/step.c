@@ -144,7 +144,8 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
   if (touch) CLOTH_TRY(part_what_meets(sim, &left, err));
   sim->owner = CLOTH_CORE;
   sim->impacts_left = left;
-  bool rough = !(sim->correction <= ROUGH * sim->mean_edge);
+  // the first correction is the whole answer to the prediction, not what is left of the error
+  bool rough = sim->iteration > 0 && !(sim->correction <= ROUGH * sim->mean_edge);
   *result = left > 0 ? OUTCOME_IMPACTS : rough ? OUTCOME_ROUGH : OUTCOME_GOOD;
   STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
   return CLOTH_OK;
@@ -155,8 +156,9 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_commit_chunk_args a = {0,       sim->vertex_count,        p->x_t0,   p->x,
-                                 p->mass, (cloth_real)(1 / sim->h), p->v, p->v_next, p->commit};
+    cloth_commit_chunk_args a = {0,    sim->vertex_count, p->x_t0,
+                                 p->x, p->mass,           (cloth_real)(1 / sim->h),
+                                 p->v, p->v_next,         p->commit};
     CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
   }
   size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;

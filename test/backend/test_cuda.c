@@ -152,6 +152,8 @@ static bool is_compared(const char *name)
                                      "row_col",
                                      "row_val", // laid out otherwise
                                      "pair",
+                                     "tangle_key", // both lists of the first look
+                                     "tangle_how",
                                      "large",
                                      "contact_spare",
                                      "cell_key_spare",

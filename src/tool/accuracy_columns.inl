@@ -4,7 +4,7 @@ ACCURACY_TEXT(scene, 64)
 ACCURACY_TEXT(digest, 24)  // of the scene file and of what the command line changed
 ACCURACY_TEXT(varied, 32)
 ACCURACY_TEXT(setting, 96)
-ACCURACY_TEXT(status, 16)  // ok, unstable
+ACCURACY_TEXT(status, 16)  // ok, unstable, refused
 ACCURACY_NUMBER(time_step)
 ACCURACY_NUMBER(substeps)
 ACCURACY_NUMBER(resolution)
@@ -15,6 +15,8 @@ ACCURACY_NUMBER(newton_tolerance)
 ACCURACY_TEXT(precision, 8)
 ACCURACY_TEXT(contact, 16)
 ACCURACY_TEXT(preconditioner, 24)
+ACCURACY_TEXT(integrator, 24)
+ACCURACY_TEXT(bending_model, 24)
 ACCURACY_NUMBER(error_rms) // share of the cloth's size, against the reference
 ACCURACY_NUMBER(error_max)
 ACCURACY_NUMBER(error_rms_same_mesh) // against the reference on the mesh of the file

@@ -154,10 +154,22 @@ static const char *contact_of(const cloth_scene *scene, const cloth_params *p)
   return p->contact_detection ? "discrete" : "continuous";
 }
 
-static void fill_settings(const accuracy_study *s, const sweep_setting *setting, cloth_def *def,
-                          const cloth_scene *scene, accuracy_row *row)
+// the chosen word of "a|b|c"
+static void choice_word(const cloth_params *p, const char *name, char *out, size_t size)
 {
-  static const char *const preconditioners[] = {"block_jacobi", "two_level", "multilevel"};
+  const cloth_param_info *info = cloth_param_table();
+  int index;
+  while (info->name && strcmp(info->name, name) != 0) info++;
+  if (!info->name || info->kind != CLOTH_IS_CHOICE) return;
+  memcpy(&index, (const char *)p + info->offset, sizeof index);
+  const char *word = info->choices;
+  for (; index > 0 && strchr(word, '|'); index--) word = strchr(word, '|') + 1;
+  snprintf(out, size, "%.*s", (int)strcspn(word, "|"), word);
+}
+
+static void fill_settings(const accuracy_study *s, const sweep_setting *setting, cloth_def *def,
+                          accuracy_row *row)
+{
   const cloth_params *p = cloth_def_params(def);
   *row = (accuracy_row){.time_step = p->time_step, .substeps = p->substeps};
   snprintf(row->scene, sizeof row->scene, "%s", s->name);
@@ -166,15 +178,13 @@ static void fill_settings(const accuracy_study *s, const sweep_setting *setting,
   snprintf(row->setting, sizeof row->setting, "%s", setting->setting);
   snprintf(row->status, sizeof row->status, "ok");
   row->resolution = setting->resolution > 0 ? setting->resolution : 1;
-  for (int c = 0; c < cloth_count(scene); c++) row->vertices += cloth_vertex_count(scene, c);
   row->pcg_tolerance = p->pcg_tolerance;
   row->newton_iterations_max = p->newton_iterations_max;
   row->newton_tolerance = p->newton_tolerance;
   snprintf(row->precision, sizeof row->precision, "%s", cloth_def_precision(def));
-  snprintf(row->contact, sizeof row->contact, "%s", contact_of(scene, p));
-  int i = p->preconditioner;
-  snprintf(row->preconditioner, sizeof row->preconditioner, "%s",
-           i >= 0 && i < 3 ? preconditioners[i] : "other");
+  choice_word(p, "preconditioner", row->preconditioner, sizeof row->preconditioner);
+  choice_word(p, "integrator", row->integrator, sizeof row->integrator);
+  choice_word(p, "bending_model", row->bending_model, sizeof row->bending_model);
 }
 
 static double cpu_clock(void)
@@ -182,6 +192,12 @@ static double cpu_clock(void)
   struct timespec t;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void fill_scene(const cloth_scene *scene, const cloth_params *p, accuracy_row *row)
+{
+  for (int c = 0; c < cloth_count(scene); c++) row->vertices += cloth_vertex_count(scene, c);
+  snprintf(row->contact, sizeof row->contact, "%s", contact_of(scene, p));
 }
 
 static void count(accuracy_row *row, const cloth_step_report *r, double wall, double cpu)
@@ -285,15 +301,19 @@ cloth_status accuracy_run(const accuracy_study *s, const sweep_setting *setting,
   cloth_status status = CLOTH_OK;
   if (!point)
     status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "no memory for material points");
+  fill_settings(s, setting, def, row);
   if (status == CLOTH_OK) status = cloth_scene_new(def, &scene, err);
+  // what an integrator does not do is a finding too
+  bool refused = scene == NULL && (status == CLOTH_UNSUPPORTED || status == CLOTH_BAD_SCENE ||
+                                   status == CLOTH_BAD_ARGUMENT);
   if (status == CLOTH_OK) {
-    fill_settings(s, setting, def, scene, row);
+    fill_scene(scene, cloth_def_params(def), row);
     accuracy_points_locate(scene, s->point_count, s->place, s->cloth, point);
     status = run_steps(s, setting, row->time_step, scene, point, positions, row, stopped, err);
     finish(row);
   }
-  if (status == CLOTH_UNSTABLE) { // a finding
-    snprintf(row->status, sizeof row->status, "unstable");
+  if (refused || status == CLOTH_UNSTABLE) {
+    snprintf(row->status, sizeof row->status, refused ? "refused" : "unstable");
     for (size_t i = 0; i < 3 * ACCURACY_SAMPLES * (size_t)s->point_count; i++) positions[i] = NAN;
     *err = (cloth_error){0};
     status = CLOTH_OK;

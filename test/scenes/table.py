@@ -3,7 +3,7 @@ run their variant `small`."""
 
 TIME_LIMIT = 200  # s, of one run: a stall
 
-ZONES = 'impact zones'
+SPEED = 'zones of thousands of constraints in less than minutes'
 
 
 class Scene:
@@ -17,16 +17,17 @@ class Scene:
     no_room        (from, to) s: bodies leave the cloth no room then, and cloth-body intersections are allowed
     work           linear systems in the worst step, as a multiple of the usual number: no step may stall
     settings       {precision: NAME=VALUE of parameters}, for `cloth run --set`
+    open           sentences that the engine does not hold yet: told with their figures as `skip`, the rest is judged
     needs          what the engine does not have yet: the scene is skipped
     """
 
     def __init__(self, stretch, energy, file='', variant='small', speed_reached=0.0, floor=None, momentum=None,
-                 no_room=None, work=0, settings=None, needs=''):
+                 no_room=None, work=0, settings=None, open=(), needs=''):
         self.stretch, self.energy = stretch, energy
         self.file, self.variant = file, variant
         self.speed_reached, self.floor, self.momentum = speed_reached, floor, momentum
         self.no_room, self.work = no_room, work
-        self.settings, self.needs = settings or {}, needs
+        self.settings, self.open, self.needs = settings or {}, open, needs
 
 
 def pull(speed, stretch, **more):
@@ -41,19 +42,19 @@ SCENES = {
     # sqrt(1 + (2 pi a n / L)^2); a from the cloth's own cross section at the thickness it keeps, 0.03 m here: about 0.4,
     # and as much again where rings of fixed radius meet the rope. Energy: the rim's speed all over, 2.5 times for
     # folds that snap.
-    'twisted_cylinder': Scene(stretch=1.0, energy=0.03, needs=ZONES),
-    'five_turns': Scene(stretch=1.0, energy=0.06, needs=ZONES),
+    'twisted_cylinder': Scene(stretch=1.0, energy=0.03, needs=SPEED),
+    'five_turns': Scene(stretch=1.0, energy=0.06, needs=SPEED),
     # falls 0.32 m: m g h; lands at 2.5 m/s, a stretch wave of 6 %, and hangs by its own weight over the ball
-    'rotating_sphere': Scene(stretch=0.4, energy=0.48, floor=0.0, needs=ZONES),
+    'rotating_sphere': Scene(stretch=0.4, energy=0.48, floor=0.0),
     # 0.45 kg sink by 0.3 m at most
-    'funnel': Scene(stretch=0.5, energy=1.4, needs=ZONES),
+    'funnel': Scene(stretch=0.5, energy=1.4),
     # speed over wave speed (41 m/s) twice, and 0.1 for friction under and over
-    'tablecloth_pull_1': pull(1, 0.2, needs=ZONES),
-    'tablecloth_pull_2': pull(2, 0.25, needs=ZONES),
-    'tablecloth_pull_4': pull(4, 0.35, needs=ZONES),
-    'tablecloth_pull_8': pull(8, 0.6, needs=ZONES),
+    'tablecloth_pull_1': pull(1, 0.2),
+    'tablecloth_pull_2': pull(2, 0.25, open=('stretch_is_bounded',)),
+    'tablecloth_pull_4': pull(4, 0.35, open=('stretch_is_bounded',)),
+    'tablecloth_pull_8': pull(8, 0.6),
     # pulled at 1 m/s; at the end it swings from an edge that has risen by 0.47 m: m g h / 2
-    'needles': Scene(stretch=0.5, energy=0.43, floor=-0.1, speed_reached=0.9, needs=ZONES),
+    'needles': Scene(stretch=0.5, energy=0.43, floor=-0.1, speed_reached=0.9),
     # m g h over 0.05 m
     'mat_on_knives': Scene(stretch=0.03, energy=0.55, floor=-0.05),
     # three sheets at the ball's fastest, 1.4 m/s
@@ -63,14 +64,15 @@ SCENES = {
     # two halves of 0.015 kg fall by 0.125 m
     'towel_rolled': Scene(stretch=0.15, energy=0.04),
     # m g h over 0.3 m
-    'hand_on_crumpled_towel': Scene(stretch=0.15, energy=0.08, floor=0.0, needs=ZONES),
+    'hand_on_crumpled_towel': Scene(stretch=0.15, energy=0.08, floor=0.0),
     # all of it at 4.5 m/s, half as fast again as the handle
-    'towel_whipped': Scene(stretch=0.2, energy=0.46, speed_reached=3.0, needs=ZONES),
+    'towel_whipped': Scene(stretch=0.2, energy=0.46, speed_reached=3.0, open=('stretch_is_bounded',)),
     # all of it at the link's speed, and as much again in the swing
-    'link_sweep': Scene(stretch=0.2, energy=0.42, needs=ZONES),
+    'link_sweep': Scene(stretch=0.2, energy=0.42),
     # m g h over 0.15 m; lands at 1.7 m/s, 2 % of the wave speed
     'towel_on_towel': Scene(stretch=0.15, energy=0.1),
-    'pinched': Scene(stretch=0.3, energy=0.005, no_room=(0.55, 1.2), work=5, needs=ZONES),
+    'pinched': Scene(stretch=0.3, energy=0.005, no_room=(0.55, 1.2), work=5,
+                     open=('no_step_is_many_times_the_usual_work',)),
     # what it starts with: 0.024 kg (2^2 + 0.3^2) + 0.024 kg (1.5^2 + 0.1^2). Momentum is as good
     # as the linear solves, whose residual pushes the cloth as a whole too
     'towels_clash': Scene(stretch=0.15, energy=0.1526, momentum={'double': 1e-6},

@@ -91,8 +91,8 @@ static int advance(cloth_device *d, int q)
   if (d->head[q] == d->tail[q]) return 0;
   job *j = &d->jobs[q][d->head[q] % MAX_JOBS];
   if (j->type == JOB_WAIT && j->event->passed < j->ticket) return 0;
-  if (j->type == JOB_COPY) memcpy(j->dst, j->src, j->bytes);
-  if (j->type == JOB_FILL) memset(j->dst, j->bits, j->bytes);
+  if (j->type == JOB_COPY && j->bytes > 0) memcpy(j->dst, j->src, j->bytes);
+  if (j->type == JOB_FILL && j->bytes > 0) memset(j->dst, j->bits, j->bytes);
   if (j->type == JOB_LAUNCH) cloth_loops[j->kernel].run(j->n, 1, j->args);
   if (j->type == JOB_SORT)
     cloth_cpu_sort(j->n, j->bits, j->dst, j->value, j->key_spare, j->value_spare, 1);

@@ -24,6 +24,7 @@ if(CGAL_FOUND)
 
     add_executable(test_tangle ${CMAKE_CURRENT_LIST_DIR}/test_tangle.cpp)
     target_link_libraries(test_tangle PRIVATE cloth check_meshes_core GTest::gtest GTest::gtest_main)
+    target_link_options(test_tangle PRIVATE ${CLOTH_SANITIZE_FLAGS})
     add_test(NAME engine_tangle_exact COMMAND test_tangle)
     set_tests_properties(engine_tangle_exact PROPERTIES TIMEOUT 300 ENVIRONMENT "OMP_WAIT_POLICY=passive")
   endif()

@@ -160,6 +160,7 @@ static int search(cloth_sim *sim)
   must(cloth_pairs_search(sim, &err), &err);
   const cloth_part *p = &sim->part[0];
   if (p->pair_count > MOST) abort();
+  if (p->pair_count == 0) return 0; // there may be no list yet
   memcpy(found, p->pair, sizeof *found * (size_t)p->pair_count);
   qsort(found, (size_t)p->pair_count, sizeof *found, compare);
   return p->pair_count;

@@ -1,6 +1,7 @@
 // The plain CPU backend: calls run at once, so queues and events have nothing to do.
 #include "backend.h"
 #include "loops.h"
+#include "solve.h"
 #include "sort.h"
 
 #include <omp.h>
@@ -65,6 +66,13 @@ static cloth_status launch(cloth_device *d, cloth_kernel k, int n, const void *a
   return CLOTH_OK;
 }
 
+static cloth_status solve(cloth_device *d, const cloth_pcg_solve_args *args, cloth_error *err)
+{
+  (void)err;
+  cloth_cpu_solve(args, d->threads);
+  return CLOTH_OK;
+}
+
 static cloth_status sort(cloth_device *d, int n, int bits, uint64_t *key, uint32_t *value,
                          uint64_t *key_spare, uint32_t *value_spare, cloth_error *err)
 {
@@ -123,6 +131,7 @@ const cloth_backend *cloth_backend_cpu(void)
       .copy = copy,
       .fill = fill,
       .launch = launch,
+      .solve = solve,
       .sort = sort,
       .scan = scan,
       .event_new = event_new,

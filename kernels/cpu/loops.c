@@ -5,8 +5,9 @@
 // what one kernel wrote is still in the cache of the core on which the next one reads it; only
 // kernels whose elements differ much are dealt out in smaller pieces to whoever is free.
 #define LOOP(name, serial, pieces, how)                                                            \
-  CLOTH_CLONES static void share_##name(int begin, int end, const cloth_##name##_args *a)          \
+  CLOTH_CLONES static void share_##name(int begin, int end, const void *args)                      \
   {                                                                                                \
+    const cloth_##name##_args *a = args;                                                           \
     for (int i = begin; i < end; i++) cloth_##name(i, a);                                          \
   }                                                                                                \
   static void loop_##name(int n, int threads, const void *args)                                    \
@@ -28,7 +29,7 @@
 #undef CLOTH_KERNEL_UNEVEN
 
 const cloth_loop_entry cloth_loops[] = {
-#define CLOTH_KERNEL(name, serial) {loop_##name, sizeof(cloth_##name##_args)},
+#define CLOTH_KERNEL(name, serial) {loop_##name, share_##name, sizeof(cloth_##name##_args)},
 #include "kernels.inl"
 #undef CLOTH_KERNEL
 };

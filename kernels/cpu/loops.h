@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 typedef void cloth_loop(int n, int threads, const void *args);
+typedef void cloth_loop_share(int begin, int end, const void *args);
 
 // Clones for processors with AVX2 are chosen when the program starts. Without contraction to fused
 // multiply-add (-ffp-contract=off) they give the same bits.
@@ -18,6 +19,7 @@ typedef void cloth_loop(int n, int threads, const void *args);
 
 typedef struct cloth_loop_entry {
   cloth_loop *run;
+  cloth_loop_share *share; // a part of it by the calling thread
   size_t args_bytes;
 } cloth_loop_entry;
 

@@ -25,5 +25,14 @@ CLOTH_FN cloth_real cloth_lanes_sum(cloth_real *v, int width)
   return v[0];
 }
 
+/// The same where all but the first `used` numbers are zero: they are neither read nor added.
+CLOTH_FN cloth_real cloth_lanes_sum_of(cloth_real *v, int used, int width)
+{
+  int some = 1;
+  while (some < used) some *= 2;
+  for (int k = used; k < some; k++) v[k] = 0;
+  return some < width ? cloth_lanes_sum(v, some) + 0 : cloth_lanes_sum(v, width); // -0 + 0 is 0
+}
+
 /// Sum of a chunk's numbers; what lies behind the end of the chunk is zero.
 CLOTH_FN cloth_real cloth_chunk_sum(cloth_real *v) { return cloth_lanes_sum(v, CLOTH_CHUNK); }

@@ -24,9 +24,12 @@ CLOTH_FN cloth_real cloth_coarse_rest_lane(const cloth_coarse_rest_args *a, int 
 CLOTH_FN void cloth_coarse_rest(int i, const cloth_coarse_rest_args *a)
 {
   if (a->done && *a->done > 0) return;
+  int used = cloth_aggregate_begin(i + 1, a->chunks, a->aggregates) -
+             cloth_aggregate_begin(i, a->chunks, a->aggregates);
+  if (used > CLOTH_COARSE_LANES) used = CLOTH_COARSE_LANES;
   for (int k = 0; k < 3; k++) {
     cloth_real lane[CLOTH_COARSE_LANES];
-    for (int l = 0; l < CLOTH_COARSE_LANES; l++) lane[l] = cloth_coarse_rest_lane(a, i, k, l);
-    a->rest[3 * i + k] = cloth_lanes_sum(lane, CLOTH_COARSE_LANES);
+    for (int l = 0; l < used; l++) lane[l] = cloth_coarse_rest_lane(a, i, k, l);
+    a->rest[3 * i + k] = cloth_lanes_sum_of(lane, used, CLOTH_COARSE_LANES);
   }
 }

@@ -29,7 +29,10 @@ CLOTH_FN void cloth_coarse_solve(int i, const cloth_coarse_solve_args *a)
   const cloth_real *row = a->inverse + (int64_t)i * n;
   cloth_real lane[CLOTH_COARSE_LANES];
   for (int l = 0; l < CLOTH_COARSE_LANES; l++) lane[l] = 0;
-  for (int k = 0; k < n; k++) lane[k % CLOTH_COARSE_LANES] += row[k] * a->rest[k];
+  int whole = n - n % CLOTH_COARSE_LANES;
+  for (int k = 0; k < whole; k += CLOTH_COARSE_LANES)
+    for (int l = 0; l < CLOTH_COARSE_LANES; l++) lane[l] += row[k + l] * a->rest[k + l];
+  for (int l = 0; l < n - whole; l++) lane[l] += row[whole + l] * a->rest[whole + l];
   cloth_real sum = cloth_lanes_sum(lane, CLOTH_COARSE_LANES);
   a->coarse[i] = *a->usable > 0 ? sum : 0;
 }

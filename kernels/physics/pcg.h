@@ -52,7 +52,7 @@ CLOTH_FN cloth_v3 cloth_pcg_z(int k, const cloth_pcg_vectors *v, cloth_v3 r, clo
   return cloth_v3_scale(v->free[k], z);
 }
 
-/// r of a chunk, x y z; what lies behind its end is zero.
+/// r of a chunk, x y z.
 typedef struct cloth_pcg_chunk {
   cloth_real r[3][CLOTH_CHUNK];
 } cloth_pcg_chunk;
@@ -67,19 +67,19 @@ CLOTH_FN cloth_v3 cloth_pcg_chunk_sum(const cloth_pcg_chunk *c, int lane, int wi
   return cloth_v3_make(sum[0][0], sum[1][0], sum[2][0]);
 }
 
-/// z of a chunk and its partial sums, from r. Vertices [begin, end).
-CLOTH_FN void cloth_pcg_chunk_finish(const cloth_pcg_vectors *v, const cloth_pcg_chunk *c,
-                                     int begin, int end)
+/// z of a chunk and its partial sums, from r. Vertices [begin, end); what lies behind is zero.
+CLOTH_FN void cloth_pcg_chunk_finish(const cloth_pcg_vectors *v, cloth_pcg_chunk *c, int begin,
+                                     int end)
 {
   cloth_real rz[CLOTH_CHUNK], rr[CLOTH_CHUNK];
+  for (int lane = end - begin; lane < CLOTH_CHUNK; lane++)
+    c->r[0][lane] = c->r[1][lane] = c->r[2][lane] = rz[lane] = rr[lane] = 0;
   cloth_v3 chunk = cloth_pcg_chunk_sum(c, 0, CLOTH_CHUNK), run = chunk;
-  for (int lane = 0; lane < CLOTH_CHUNK; lane++) {
-    if (lane % CLOTH_RUN == 0) run = cloth_pcg_chunk_sum(c, lane, CLOTH_RUN);
-    cloth_v3 r = cloth_v3_make(c->r[0][lane], c->r[1][lane], c->r[2][lane]), z = r;
-    if (begin + lane < end) {
-      z = cloth_pcg_z(begin + lane, v, r, run, chunk);
-      cloth_v3_store(v->z, begin + lane, z);
-    }
+  for (int lane = 0; lane < end - begin; lane++) {
+    if (v->run_inverse && lane % CLOTH_RUN == 0) run = cloth_pcg_chunk_sum(c, lane, CLOTH_RUN);
+    cloth_v3 r = cloth_v3_make(c->r[0][lane], c->r[1][lane], c->r[2][lane]);
+    cloth_v3 z = cloth_pcg_z(begin + lane, v, r, run, chunk);
+    cloth_v3_store(v->z, begin + lane, z);
     rz[lane] = cloth_v3_dot(r, z), rr[lane] = cloth_v3_dot(r, r);
   }
   cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (begin / CLOTH_CHUNK);
@@ -99,15 +99,18 @@ enum { CLOTH_PCG_LANES = 256, CLOTH_COARSE_LANES = 32 };
 CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int field)
 {
   cloth_real lane[CLOTH_PCG_LANES];
-  for (int l = 0; l < CLOTH_PCG_LANES; l++) lane[l] = 0;
-  for (int c = 0; c < chunks; c++)
+  int used = chunks < CLOTH_PCG_LANES ? chunks : CLOTH_PCG_LANES;
+  for (int l = 0; l < used; l++) lane[l] = 0 + partial[CLOTH_PCG_PARTIALS * l + field];
+  for (int c = CLOTH_PCG_LANES; c < chunks; c++)
     lane[c % CLOTH_PCG_LANES] += partial[CLOTH_PCG_PARTIALS * c + field];
-  return cloth_lanes_sum(lane, CLOTH_PCG_LANES);
+  return cloth_lanes_sum_of(lane, used, CLOTH_PCG_LANES);
 }
 
 // The coarse level: vertices of an aggregate (a run of chunks) move together (Nicolaides 1987).
 // What is stiff over long distances, a pull along the whole cloth, is solved there directly; block
 // Jacobi does the rest. Additive, so symmetric and positive definite.
+enum { CLOTH_AGGREGATES_MAX = 96 }; // a dense factor of 288 rows
+
 CLOTH_FN int cloth_aggregate_of(int vertex, int chunks, int aggregates)
 {
   return (int)((int64_t)(vertex / CLOTH_CHUNK) * aggregates / chunks);

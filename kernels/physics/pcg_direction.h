@@ -25,10 +25,10 @@ CLOTH_FN cloth_v3 cloth_pcg_coarse_of(int k, const cloth_pcg_vectors *v)
 
 CLOTH_FN void cloth_pcg_direction(int i, const cloth_pcg_direction_args *a)
 {
-  const cloth_pcg_vectors *v = &a->v;
-  if (v->scalar[CLOTH_PCG_DONE] > 0) return;
-  int begin = v->first + i * CLOTH_CHUNK, end = cloth_chunk_end(v->first, v->count, i);
-  cloth_v3 coarse = cloth_pcg_coarse_of(begin, v);
-  for (int k = begin; k < end; k++)
-    cloth_pcg_direction_row(k, v, v->scalar[CLOTH_PCG_BETA], coarse);
+  cloth_pcg_vectors v = a->v;
+  if (v.scalar[CLOTH_PCG_DONE] > 0) return;
+  int begin = v.first + i * CLOTH_CHUNK, end = cloth_chunk_end(v.first, v.count, i);
+  cloth_v3 coarse = cloth_pcg_coarse_of(begin, &v);
+  cloth_real beta = v.scalar[CLOTH_PCG_BETA];
+  for (int k = begin; k < end; k++) cloth_pcg_direction_row(k, &v, beta, coarse);
 }

@@ -20,12 +20,10 @@ CLOTH_FN cloth_v3 cloth_pcg_start_row(int k, const cloth_pcg_vectors *v)
 
 CLOTH_FN void cloth_pcg_start(int i, const cloth_pcg_start_args *a)
 {
-  const cloth_pcg_vectors *v = &a->v;
+  cloth_pcg_vectors v = a->v;
   cloth_pcg_chunk chunk;
-  int begin = v->first + i * CLOTH_CHUNK, end = cloth_chunk_end(v->first, v->count, i);
-  for (int lane = 0; lane < CLOTH_CHUNK; lane++)
-    cloth_pcg_chunk_set(&chunk, lane,
-                        begin + lane < end ? cloth_pcg_start_row(begin + lane, v)
-                                           : cloth_v3_make(0, 0, 0));
-  cloth_pcg_chunk_finish(v, &chunk, begin, end);
+  int begin = v.first + i * CLOTH_CHUNK, end = cloth_chunk_end(v.first, v.count, i);
+  for (int lane = 0; lane < end - begin; lane++)
+    cloth_pcg_chunk_set(&chunk, lane, cloth_pcg_start_row(begin + lane, &v));
+  cloth_pcg_chunk_finish(&v, &chunk, begin, end);
 }

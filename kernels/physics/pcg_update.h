@@ -21,14 +21,12 @@ CLOTH_FN cloth_v3 cloth_pcg_update_row(int k, const cloth_pcg_vectors *v, cloth_
 
 CLOTH_FN void cloth_pcg_update(int i, const cloth_pcg_update_args *a)
 {
-  const cloth_pcg_vectors *v = &a->v;
-  if (v->scalar[CLOTH_PCG_DONE] > 0) return;
+  cloth_pcg_vectors v = a->v; // a copy: no store can change where the arrays are
+  if (v.scalar[CLOTH_PCG_DONE] > 0) return;
   cloth_pcg_chunk chunk;
-  cloth_real alpha = v->scalar[CLOTH_PCG_ALPHA];
-  int begin = v->first + i * CLOTH_CHUNK, end = cloth_chunk_end(v->first, v->count, i);
-  for (int lane = 0; lane < CLOTH_CHUNK; lane++)
-    cloth_pcg_chunk_set(&chunk, lane,
-                        begin + lane < end ? cloth_pcg_update_row(begin + lane, v, alpha)
-                                           : cloth_v3_make(0, 0, 0));
-  cloth_pcg_chunk_finish(v, &chunk, begin, end);
+  cloth_real alpha = v.scalar[CLOTH_PCG_ALPHA];
+  int begin = v.first + i * CLOTH_CHUNK, end = cloth_chunk_end(v.first, v.count, i);
+  for (int lane = 0; lane < end - begin; lane++)
+    cloth_pcg_chunk_set(&chunk, lane, cloth_pcg_update_row(begin + lane, &v, alpha));
+  cloth_pcg_chunk_finish(&v, &chunk, begin, end);
 }

@@ -1,10 +1,10 @@
 // From a description to what the engine steps: internal numbering, masses, parts and their memory.
-#include "effect/bend_rest.h"
 #include "state/build.h"
 
 #include "chunk.h"
 #include "commit_chunk.h"
 #include "contact/flat.h"
+#include "effect/bend_rest.h"
 #include "effect/effect.h"
 #include "impact_find.h"
 #include "pcg.h"
@@ -13,8 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { AGGREGATES_MAX = 96 }; // a dense factor of 288 rows
 
 // ---- devices and parts --------------------------------------------------------------------------
 
@@ -75,7 +73,7 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   for (int i = 0; i < 6; i++) // one more: block_rows.h reads past the last vertex
     CLOTH_TRY(take_reals(sim, p, "solve", padded + 1, 3, solve[i], err));
   CLOTH_TRY(take_reals(sim, p, "inverse_diagonal", padded, 6, &p->inverse_diagonal, err));
-  CLOTH_TRY(take_reals(sim, p, "partial", sim->chunks, CLOTH_PCG_PARTIALS, &p->partial, err));
+  CLOTH_TRY(take_reals(sim, p, "partial", 2 * sim->chunks, CLOTH_PCG_PARTIALS, &p->partial, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
   CLOTH_TRY(take_reals(sim, p, "box_of_chunk", sim->chunks, 6, &p->box_of_chunk, err));
@@ -181,7 +179,9 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   // worth it when there is something stiff to solve and more than a patch of it
   bool coarse =
       sim->params.preconditioner > 0 && sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
-  sim->aggregates = !coarse ? 0 : sim->chunks < AGGREGATES_MAX ? sim->chunks : AGGREGATES_MAX;
+  sim->aggregates = !coarse                              ? 0
+                    : sim->chunks < CLOTH_AGGREGATES_MAX ? sim->chunks
+                                                         : CLOTH_AGGREGATES_MAX;
   if (coarse) CLOTH_TRY(take_coarse(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];

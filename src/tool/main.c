@@ -82,14 +82,15 @@ static int run_command(const tool_command *command, int argc, char **argv)
   return code;
 }
 
-// OpenMP's threads spin for milliseconds while they wait, unless the environment says otherwise before
-// the program starts. On a core that somebody else needs too, that makes a step ten times slower;
-// to sleep at once makes it 1.4 times slower everywhere. So: look 2000 times (20 to 100 us), then
-// sleep; and start over with that said.
+// OpenMP's threads spin for milliseconds while they wait, unless the environment says otherwise
+// before the program starts. On a core that somebody else needs too, that makes a step ten times
+// slower; to sleep at once makes it 1.4 times slower everywhere. So: look 2000 times (20 to 100
+// us), then sleep; and start over with that said.
 static void wait_briefly(char **argv)
 {
   if (getenv("OMP_WAIT_POLICY") != NULL || getenv("GOMP_SPINCOUNT") != NULL) return;
-  if (setenv("OMP_WAIT_POLICY", "passive", 1) != 0 || setenv("GOMP_SPINCOUNT", "2000", 1) != 0) return;
+  if (setenv("OMP_WAIT_POLICY", "passive", 1) != 0 || setenv("GOMP_SPINCOUNT", "2000", 1) != 0)
+    return;
   execv("/proc/self/exe", argv); // returns only where there is no /proc: then it spins
 }
 

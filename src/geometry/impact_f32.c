@@ -1,16 +1,8 @@
-// toi.h in float, contact itself: no gap.
+// toi.h in float.
 #define CLOTH_SINGLE_PRECISION
-#include "geometry/impact_search.h"
-#include "toi.h"
+#include "geometry/impact_precision.h"
 
 int cloth_impact_search_f32(int split, const double x[8][3], double *toi)
 {
-  cloth_v3 point[8];
-  cloth_real found = 0;
-  for (int k = 0; k < 8; k++)
-    point[k] = cloth_v3_make((cloth_real)x[k][0], (cloth_real)x[k][1], (cloth_real)x[k][2]);
-  int hit = split == 1 ? cloth_toi_vertex_face(point, point + 4, 0, 0, &found)
-                       : cloth_toi_edge_edge(point, point + 4, 0, 0, &found);
-  *toi = (double)found;
-  return hit;
+  return cloth_impact_in_precision(split, x, toi);
 }

@@ -241,6 +241,17 @@ static inline bool cuda_is_there(void)
   return there;
 }
 
+/// 0 if two runs have the same state hash after each of `steps` steps; else says where they part.
+static inline int same_hashes(int steps, const char *what, const uint64_t *a, const uint64_t *b)
+{
+  for (int n = 0; n < steps; n++)
+    if (a[n] != b[n]) {
+      printf("  %s: first differs at step %d\n", what, n + 1);
+      return 1;
+    }
+  return 0;
+}
+
 // ---- both precisions ----------------------------------------------------------------------------
 
 typedef int precision_test(const char *precision);

@@ -135,16 +135,6 @@ static const uint64_t *reference(const char *precision, int *seen)
   return hash[p];
 }
 
-static int same(const char *what, const uint64_t *a, const uint64_t *b)
-{
-  for (int n = 0; n < STEPS; n++)
-    if (a[n] != b[n]) {
-      printf("  %s: first differs at step %d\n", what, n + 1);
-      return 1;
-    }
-  return 0;
-}
-
 static int compare(const char *precision, const how *h)
 {
   uint64_t hash[STEPS];
@@ -152,7 +142,7 @@ static int compare(const char *precision, const how *h)
   run(h, hash, NULL);
   snprintf(what, sizeof what, "backend %s, devices %s, threads %s%s%s", h->backend, h->devices,
            h->threads, h->look ? ", looked at" : "", h->no_cull ? ", not culled" : "");
-  return same(what, reference(precision, NULL), hash);
+  return same_hashes(STEPS, what, reference(precision, NULL), hash);
 }
 
 // ---- the sentences ------------------------------------------------------------------------------
@@ -236,7 +226,7 @@ static int reset(const char *precision)
   s = (script){0};
   run_steps(scene, &s, 0, STEPS, false, hash, NULL);
   cloth_scene_free(scene);
-  return same("after a reset", reference(precision, NULL), hash);
+  return same_hashes(STEPS, "after a reset", reference(precision, NULL), hash);
 }
 BOTH(a_run_after_a_reset_gives_the_bits_of_the_first, reset)
 
@@ -264,7 +254,8 @@ static int saved(const char *precision)
     must(cloth_state_load(scene, path, &err), &err);
     failed = scene_hash(scene) != hash[HALF - 1];
     run_steps(scene, &on, HALF, STEPS, false, hash, NULL);
-    failed |= same(used ? "loaded into a used scene" : "loaded", reference(precision, NULL), hash);
+    failed |= same_hashes(STEPS, used ? "loaded into a used scene" : "loaded",
+                          reference(precision, NULL), hash);
     cloth_scene_free(scene);
   }
   folder_remove(&f);
@@ -287,7 +278,7 @@ static int replayed(const char *precision)
   run_steps(scene, &s, 0, STEPS, false, hash, NULL);
   must(cloth_record_stop(scene, &err), &err);
   cloth_scene_free(scene);
-  int failed = same("while recording", reference(precision, NULL), hash);
+  int failed = same_hashes(STEPS, "while recording", reference(precision, NULL), hash);
 
   int64_t steps = 0;
   scene = scene_of(&other);
@@ -317,7 +308,7 @@ static int gpu_twice(const char *precision)
   uint64_t first[STEPS], second[STEPS];
   how h = {precision, "cuda", "0", "1", false, false};
   run(&h, first, NULL), run(&h, second, NULL);
-  return same("the second run", first, second);
+  return same_hashes(STEPS, "the second run", first, second);
 }
 BOTH(two_runs_on_a_gpu_give_the_same_bits, gpu_twice)
 

@@ -356,7 +356,8 @@ static int energy(const char *precision)
 {
   // solved well: rounding and the last correction alone
   if (swing_down(precision, "8", "1e-5", 1e-3)) return 1;
-  return swing_down(precision, "2", "1e-2", 4e-2); // as it comes: what the solver leaves, rounding decides
+  return swing_down(precision, "2", "1e-2",
+                    4e-2); // as it comes: what the solver leaves, rounding decides
 }
 BOTH(energy_never_grows_without_input, energy)
 

@@ -106,19 +106,32 @@ static void momenta(int n, double p[3], double l[3], double *size)
     }
 }
 
+static cloth_material limp(void)
+{
+  cloth_material m = soft();
+  m.stretch_warp = m.stretch_weft = 20, m.shear = 4, m.damping_stretch = 1e-4;
+  m.bend_warp = m.bend_weft = 1e-7;
+  return m;
+}
+
+// a sheet of n x n particles where nothing falls
+static cloth_def *weightless(const char *precision, const char *friction, int n, cloth_material m)
+{
+  sheet_make(&cloth, 0.12, 0.12, n, n);
+  cloth_def *def = spring_def(precision);
+  def_set(def, "gravity", "0 0 0");
+  def_set(def, "friction", friction);
+  def_cloth(def, "one", &cloth, m, pose_at(0, 0, 0));
+  return def;
+}
+
 // two crumpled sheets fly into each other: springs, dampers, particle collisions, friction
 static int momentum(const char *precision)
 {
   enum { N = 13 };
   double p0[3], l0[3], p1[3], l1[3], size;
-  sheet_make(&cloth, 0.12, 0.12, N, N);
-  cloth_def *def = spring_def(precision);
-  cloth_material m = soft();
-  m.stretch_warp = m.stretch_weft = 20, m.shear = 4, m.damping_stretch = 1e-4;
-  m.bend_warp = m.bend_weft = 1e-7;
-  def_set(def, "gravity", "0 0 0");
-  def_set(def, "friction", "0.4");
-  def_cloth(def, "one", &cloth, m, pose_at(0, 0, 0));
+  cloth_material m = limp();
+  cloth_def *def = weightless(precision, "0.4", N, m);
   def_cloth(def, "two", &cloth, m, pose_turned(0.02, 0.01, 0.03, 0, 0.4));
   cloth_scene *scene = scene_new(def);
   masses(&cloth, m.density);
@@ -159,14 +172,8 @@ static int spin(const char *precision)
 {
   enum { N = 13 };
   double p0[3], l0[3], p1[3], l1[3], size;
-  sheet_make(&cloth, 0.12, 0.12, N, N);
-  cloth_def *def = spring_def(precision);
-  cloth_material m = soft();
-  m.stretch_warp = m.stretch_weft = 20, m.shear = 4, m.damping_stretch = 1e-4;
-  m.bend_warp = m.bend_weft = 1e-7;
-  def_set(def, "gravity", "0 0 0");
-  def_set(def, "friction", "0");
-  def_cloth(def, "one", &cloth, m, pose_at(0, 0, 0));
+  cloth_material m = limp();
+  cloth_def *def = weightless(precision, "0", N, m);
   cloth_scene *scene = scene_new(def);
   masses(&cloth, m.density);
   cloth_error err = {0};

@@ -126,16 +126,6 @@ static const uint64_t *reference(const char *precision, int *seen)
   return hash[p];
 }
 
-static int same(const char *what, const uint64_t *a, const uint64_t *b)
-{
-  for (int n = 0; n < STEPS; n++)
-    if (a[n] != b[n]) {
-      printf("  %s: first differs at step %d\n", what, n + 1);
-      return 1;
-    }
-  return 0;
-}
-
 static int compare(const how *h)
 {
   uint64_t hash[STEPS];
@@ -143,7 +133,7 @@ static int compare(const how *h)
   run(h, hash, NULL);
   snprintf(what, sizeof what, "backend %s, devices %s, threads %s, %s", h->backend, h->devices,
            h->threads, h->search);
-  return same(what, reference(h->precision, NULL), hash);
+  return same_hashes(STEPS, what, reference(h->precision, NULL), hash);
 }
 
 // ---- the sentences ------------------------------------------------------------------------------
@@ -252,7 +242,7 @@ static int reset(const char *precision)
   s = (script){0};
   run_steps(scene, &s, 0, STEPS, hash, NULL);
   cloth_scene_free(scene);
-  return same("after a reset", reference(precision, NULL), hash);
+  return same_hashes(STEPS, "after a reset", reference(precision, NULL), hash);
 }
 BOTH(a_run_after_a_reset_gives_the_bits_of_the_first, reset)
 
@@ -278,7 +268,8 @@ static int saved(const char *precision)
     must(cloth_state_load(scene, path, &err), &err);
     failed = scene_hash(scene) != hash[HALF - 1];
     run_steps(scene, &on, HALF, STEPS, hash, NULL);
-    failed |= same(used ? "loaded into a used scene" : "loaded", reference(precision, NULL), hash);
+    failed |= same_hashes(STEPS, used ? "loaded into a used scene" : "loaded",
+                          reference(precision, NULL), hash);
     cloth_scene_free(scene);
   }
   folder_remove(&f);

@@ -94,5 +94,5 @@ install(TARGETS robot_cloth_node robot_cloth_nodelet LIBRARY DESTINATION ${CATKI
 install(TARGETS robot_cloth_exe RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY launch config DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # the rostests, to run them from the install space: rostest robot_cloth lockstep.test
-install(DIRECTORY test/node DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/test USE_SOURCE_PERMISSIONS
+install(DIRECTORY test/node test/demo DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION}/test USE_SOURCE_PERMISSIONS
         FILES_MATCHING PATTERN "*.test" PATTERN "*.py" PATTERN "data/*")

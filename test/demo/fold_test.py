@@ -13,7 +13,8 @@ import tempfile
 import unittest
 
 HERE = os.path.dirname(os.path.realpath(__file__))
-sys.path.insert(0, os.path.join(HERE, '../../src/demo'))
+for place in '../../../../lib/robot_cloth', '../../src/demo':  # installed, or in the source tree
+    sys.path.insert(0, os.path.join(HERE, place))
 import fold_steps  # noqa: E402
 
 import rospy  # noqa: E402

@@ -2,7 +2,7 @@
 // a adds weight_a q. That is written where the row will read it.
 #pragma once
 
-#include "real.h"
+#include "block_rows.h"
 
 typedef struct cloth_contact_product_args {
   int cloth_vertices;        // body vertices do not move in the solve
@@ -13,6 +13,29 @@ typedef struct cloth_contact_product_args {
   const uint32_t *place;     // [n x 4] contact_place.h
   cloth_real *q;             // [n x 4 x 3] by place, written
 } cloth_contact_product_args;
+
+#ifdef CLOTH_ROW_VECTORS
+
+// x y z side by side, as block_rows.h reads them: half the instructions, the same sums
+CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
+{
+  cloth_lanes4 u = {0};
+  for (int c = 0; c < 4; c++) {
+    int v = a->vertex[4 * i + c];
+    if (v < a->cloth_vertices) u += a->weight[4 * i + c] * *(const cloth_lanes4 *)(a->p + 3 * v);
+  }
+  const cloth_real *t = a->tangent + 6 * i; // xx yy zz yz, zz yz zx xy
+  cloth_lanes4 t0 = *(const cloth_lanes4 *)t, t1 = *(const cloth_lanes4 *)(t + 2);
+  u = __builtin_shufflevector(t0, t1, 0, 7, 6, 0) * u[0] +
+      __builtin_shufflevector(t0, t1, 7, 1, 3, 1) * u[1] +
+      __builtin_shufflevector(t0, t1, 6, 3, 2, 2) * u[2];
+  for (int c = 0; c < 4; c++) {
+    cloth_lanes4 q = a->weight[4 * i + c] * u;
+    cloth_v3_store(a->q, (int)a->place[4 * i + c], cloth_v3_make(q[0], q[1], q[2]));
+  }
+}
+
+#else
 
 CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
 {
@@ -26,3 +49,5 @@ CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
   for (int c = 0; c < 4; c++)
     cloth_v3_store(a->q, (int)a->place[4 * i + c], cloth_v3_scale(a->weight[4 * i + c], u));
 }
+
+#endif

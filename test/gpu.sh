@@ -3,6 +3,9 @@
 # side, so that a host without compilers or ROS can run it.
 #
 #   gpu.sh BUILD [RESULTS_FOLDER]      with a folder for results: the large scenes too, as CSV
+#
+# The node folds its towel on the GPU too: where ROS is installed, or with a ROS 1 runtime that was brought along
+# ($ROSRT, see gpu_pack.sh).
 set -u
 build=$(cd "$1" && pwd) results=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,8 +19,9 @@ run() { # name, then the command; its output counts as failed if it fails, skips
   shift
   output=$(timeout 300 "$@" 2>&1)
   status=$?
-  echo "$output" | grep -E "^(ok|FAIL|skip)|ERROR SUMMARY|RACECHECK SUMMARY|differs" || echo "$output" | tail -5
-  if [ $status -ne 0 ] || echo "$output" | grep -qE "^(FAIL|skip)|SUMMARY: [1-9]"; then failed=$((failed + 1)); fi
+  echo "$output" | grep -E "^(ok|FAIL|skip)|ERROR SUMMARY|RACECHECK SUMMARY|differs|\.\.\. (ok|FAIL|ERROR|skip)|RESULT: |check_meshes: " ||
+    echo "$output" | tail -5
+  if [ $status -ne 0 ] || echo "$output" | grep -qE "^(FAIL|skip)|SUMMARY: [1-9]|RESULT: FAIL"; then failed=$((failed + 1)); fi
 }
 
 for test in backend_cuda_f32 backend_cuda_f64 engine_determinism; do run $test "$(program $test)"; done
@@ -32,6 +36,21 @@ if command -v compute-sanitizer >/dev/null; then
     --set preconditioner=multilevel
 else
   echo "skip compute-sanitizer: not found"
+fi
+
+# as a check of each step's meshes: CGAL, where it was there to build with
+check=$(find "$build" -name check_meshes -type f -perm -u+x | head -n 1)
+export CLOTH_CHECK_MESHES=$check ROS_HOME=${ROS_HOME:-$(mktemp -d)}
+fold="test/demo/fold.test backend:=cuda"
+if [ -n "${ROSRT:-}" ]; then
+  export ROSRT_OVERLAY=$here/../install
+  # shellcheck disable=SC2086
+  run node "$ROSRT/rosrt" rostest --text "$ROSRT_OVERLAY/share/robot_cloth/"$fold
+elif command -v rostest >/dev/null; then
+  # shellcheck disable=SC2086
+  run node "$here/../src/demo/with_ros.sh" "$build" rostest --text "$here/../"$fold
+else
+  echo "skip node: no ROS here, and no runtime in ROSRT"
 fi
 
 if [ -n "$results" ]; then

@@ -5,6 +5,8 @@
 #include "coarse_rest.h"
 #include "coarse_solve.h"
 #include "contact_product.h"
+#include "hat_rest_upper.h"
+#include "hat_spread.h"
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_product.h"

@@ -1,5 +1,5 @@
-// The block of node i of the first level: P' A P, summed over the vertices that share in it. For the
-// other levels it is kept in two parts, what holds it in space and what holds it against its
+// The block of node i of the first level: P' A P, summed over the vertices that share in it. For
+// the other levels it is kept in two parts, what holds it in space and what holds it against its
 // neighbours.
 #pragma once
 

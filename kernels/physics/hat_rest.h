@@ -9,7 +9,7 @@ typedef struct cloth_hat_rest_args {
   cloth_hats hats;        // rest and correction are written
   const cloth_real *r;    // [vertices x 3] N
   const cloth_real *done; // [1] above 0: nothing is left to do; NULL: always
-  cloth_real *partial;    // [groups x CLOTH_PCG_PARTIALS] this level's share of r'z, field 0 written
+  cloth_real *partial; // [groups x CLOTH_PCG_PARTIALS] this level's share of r'z, field 0 written
 } cloth_hat_rest_args;
 
 /// What lane l of `lanes` adds up of node c.

@@ -48,7 +48,8 @@ CLOTH_FN void cloth_hat_row(int i, const cloth_hat_row_args *a)
     const cloth_real *b = a->rows.val + (int64_t)s * 9 * g + lane;
     cloth_sym3 m;
     m.xx = b[0], m.yy = b[4 * g], m.zz = b[8 * g];
-    m.yz = (b[5 * g] + b[7 * g]) / 2, m.zx = (b[2 * g] + b[6 * g]) / 2, m.xy = (b[g] + b[3 * g]) / 2;
+    m.yz = (b[5 * g] + b[7 * g]) / 2, m.zx = (b[2 * g] + b[6 * g]) / 2,
+    m.xy = (b[g] + b[3 * g]) / 2;
     cloth_hat_couple(a, u, node, a->rows.col[(int64_t)s * g + lane], 1, m, sum);
   }
   uint32_t begin = a->contact_first ? a->contact_first[i] : 0;

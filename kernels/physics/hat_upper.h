@@ -1,7 +1,7 @@
 // The block of node fine + i, of the other levels. What holds it in space adds up over the first
-// nodes that share in it. What holds it against its neighbours does not: stretching a sheet by a hat
-// costs as much whatever the hat's width, so the first nodes' mean will do. (Beside P' A P: the same
-// iterations, within one.)
+// nodes that share in it. What holds it against its neighbours does not: stretching a sheet by a
+// hat costs as much whatever the hat's width, so the first nodes' mean will do. (Beside P' A P: the
+// same iterations, within one.)
 #pragma once
 
 #include "hat.h"

@@ -31,14 +31,14 @@ typedef struct cloth_pcg_vectors {
   int first, count;                   // owned vertices; first is a multiple of CLOTH_CHUNK
   const cloth_real *free;             // [vertices] 1: row is solved, 0: held
   const cloth_real *inverse_diagonal; // [vertices x 6]
-  const cloth_real *b;             // [vertices x 3]
-  cloth_real *dx, *r, *z, *p, *q;  // [vertices x 3]
-  cloth_real *partial;             // [chunks x CLOTH_PCG_PARTIALS] sums of chunks; behind them
-                                   // those of hat_rest.h
-  const cloth_real *coarse;        // [aggregates x 3] correction of each aggregate; NULL: none
-  int aggregates, chunks;          // of all parts
-  cloth_hats hats;                 // no nodes: none
-  cloth_real *scalar;              // [CLOTH_PCG_SCALARS]
+  const cloth_real *b;                // [vertices x 3]
+  cloth_real *dx, *r, *z, *p, *q;     // [vertices x 3]
+  cloth_real *partial;                // [chunks x CLOTH_PCG_PARTIALS] sums of chunks; behind them
+                                      // those of hat_rest.h
+  const cloth_real *coarse;           // [aggregates x 3] correction of each aggregate; NULL: none
+  int aggregates, chunks;             // of all parts
+  cloth_hats hats;                    // no nodes: none
+  cloth_real *scalar;                 // [CLOTH_PCG_SCALARS]
 } cloth_pcg_vectors;
 
 /// z of vertex k by block Jacobi.

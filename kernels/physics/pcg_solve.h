@@ -20,6 +20,7 @@ typedef struct cloth_pcg_solve_args {
   cloth_pcg_product_args product;
   cloth_coarse_rest_args rest; // with aggregates only
   cloth_coarse_solve_args coarse;
+  cloth_hat_rest_args hats; // with levels of hats only
   cloth_pcg_beta_args beta; // its `start` is not read
   cloth_real *more_partial; // [chunks x CLOTH_PCG_PARTIALS] for who adds p'q up while others go on
   int iterations_max;

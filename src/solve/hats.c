@@ -1,6 +1,6 @@
 // The levels of the solver that lie between vertices and the whole cloth. At load: grids over each
-// cloth as it lies at rest, their nodes in order along a space-filling curve, and lists of who shares
-// in a node. In a substep: the nodes' blocks; in an iteration: their corrections.
+// cloth as it lies at rest, their nodes in order along a space-filling curve, and lists of who
+// shares in a node. In a substep: the nodes' blocks; in an iteration: their corrections.
 #include "solve/hats.h"
 
 #include "hat_matrix.h"
@@ -16,8 +16,8 @@
 #include <string.h>
 
 enum {
-  CELL_EDGES = 4,  // width of a cell of the first level
-  FEWEST = 4,      // a level that has no more nodes than this on each cloth is left out
+  CELL_EDGES = 4, // width of a cell of the first level
+  FEWEST = 4,     // a level that has no more nodes than this on each cloth is left out
   CORNERS = CLOTH_HAT_CORNERS,
   BLOCKS = 6 * (CORNERS + 1)
 };
@@ -137,8 +137,9 @@ static cloth_status shares_make(shares *s, int count, const cloth_real *place, c
   }
   for (size_t i = 0; i < n && status == CLOTH_OK; i++)
     if (s->weight[i] > 0)
-      cloth_v3_store(s->node, s->corner[i],
-                     cloth_hat_corner(at_level(place, (int)(i / CORNERS), scale), (int)(i % CORNERS)));
+      cloth_v3_store(
+          s->node, s->corner[i],
+          cloth_hat_corner(at_level(place, (int)(i / CORNERS), scale), (int)(i % CORNERS)));
   free(key), free(value);
   if (status != CLOTH_OK) shares_free(s), *s = (shares){.count = 0};
   return status;
@@ -158,8 +159,10 @@ static cloth_status lists_make(lists *l, const shares *level, int levels, int no
   size_t entries = 0;
   for (int k = 0; k < levels; k++) entries += (size_t)level[k].count * CORNERS;
   l->first = calloc((size_t)nodes + 2, sizeof(int));
-  l->child = malloc(entries * sizeof(int) + 8), l->weight = malloc(entries * sizeof(cloth_real) + 8);
-  if (!l->first || !l->child || !l->weight) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "levels of the solver");
+  l->child = malloc(entries * sizeof(int) + 8),
+  l->weight = malloc(entries * sizeof(cloth_real) + 8);
+  if (!l->first || !l->child || !l->weight)
+    CLOTH_FAIL(err, CLOTH_NO_MEMORY, "levels of the solver");
   int *place = l->first + 1; // place[c]: first the count of c, then where its next child goes
   for (int k = 0, node = 0; k < levels; node += level[k++].nodes)
     for (int i = 0; i < level[k].count * CORNERS; i++)
@@ -193,8 +196,8 @@ static cloth_status upload_lists(cloth_sim *sim, cloth_part *p, const shares *le
   const size_t of_int = sizeof(int), of_real = sizeof(cloth_real);
   CLOTH_TRY(cloth_upload(sim, p, "hat_corner", level[0].corner, of_int * shared, &h->corner, err));
   CLOTH_TRY(cloth_upload(sim, p, "hat_weight", level[0].weight, of_real * shared, &h->weight, err));
-  CLOTH_TRY(cloth_upload(sim, p, "hat_first", l->first, of_int * ((size_t)h->nodes + 1), &h->first,
-                         err));
+  CLOTH_TRY(
+      cloth_upload(sim, p, "hat_first", l->first, of_int * ((size_t)h->nodes + 1), &h->first, err));
   CLOTH_TRY(cloth_upload(sim, p, "hat_child", l->child, of_int * entries, &h->child, err));
   CLOTH_TRY(cloth_upload(sim, p, "hat_child_weight", l->weight, of_real * entries, &h->child_weight,
                          err));
@@ -292,14 +295,20 @@ cloth_status cloth_hats_update(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
+cloth_hat_rest_args cloth_hats_args(const cloth_sim *sim, const cloth_part *p,
+                                    const cloth_real *done)
+{
+  cloth_hat_rest_args a = {p->hats, p->r, done, p->partial + CLOTH_PCG_PARTIALS * sim->chunks};
+  return a;
+}
+
 cloth_status cloth_hats_correct(cloth_sim *sim, bool start, cloth_error *err)
 {
   CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, r), false, 3 * sizeof(cloth_real), err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     const cloth_real *done = start ? NULL : p->scalar + CLOTH_PCG_DONE;
-    cloth_real *partial = p->partial + CLOTH_PCG_PARTIALS * sim->chunks;
-    cloth_hat_rest_args a = {p->hats, p->r, done, partial};
+    cloth_hat_rest_args a = cloth_hats_args(sim, p, done);
     CLOTH_LAUNCH(sim, p, hat_rest, cloth_hat_fine_groups(&p->hats), &a, err);
     CLOTH_LAUNCH(sim, p, hat_rest_upper, cloth_hat_groups(&p->hats), &a, err);
   }

@@ -266,6 +266,7 @@ static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
                             .product = product_args(p, p->p, done),
                             .rest = rest_args(sim, p, done),
                             .coarse = coarse_args(sim, p, done),
+                            .hats = cloth_hats_args(sim, p, done),
                             .beta = beta_args(sim, p, 1),
                             .more_partial = p->partial + CLOTH_PCG_PARTIALS * sim->chunks,
                             .iterations_max = sim->params.pcg_iterations_max};

@@ -5,7 +5,7 @@
 #include "contact_geometry.h"
 #include "solve/sim.h"
 
-enum { N = 9, VERTICES = 2 * N * N, DOFS = 3 * VERTICES };
+enum { N = 12, VERTICES = 2 * N * N, DOFS = 3 * VERTICES };
 
 static sheet cloth;
 static solid table;
@@ -148,6 +148,8 @@ static int solution(const char *devices, const char *preconditioner)
   cloth_def *def = def_of(devices, PRECISION[0] == 'f' ? "1e-6" : "1e-11", preconditioner);
   cloth_sim *sim = sim_of(def);
   CHECK(sim->vertex_count == VERTICES);
+  CHECK((sim->hat_groups > 0) == (strcmp(preconditioner, "multilevel") == 0));
+  CHECK((sim->aggregates > 0) == (strcmp(preconditioner, "two_level") == 0));
   CHECK(write_out(sim) > 100 && report.pcg_unconverged == 0);
   double largest = 0, skew = 0;
   for (int i = 0; i < DOFS; i++)

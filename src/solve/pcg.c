@@ -260,6 +260,7 @@ static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
 {
   cloth_part *p = &sim->part[0];
   const cloth_real *done = done_flag(p);
+  size_t sums = (size_t)(sim->chunks + sim->hat_groups);
   cloth_pcg_solve_args a = {.v = vectors(sim, p),
                             .contact = contact_args(sim, p, p->p),
                             .contacts = p->contact_count,
@@ -268,7 +269,7 @@ static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
                             .coarse = coarse_args(sim, p, done),
                             .hats = cloth_hats_args(sim, p, done),
                             .beta = beta_args(sim, p, 1),
-                            .more_partial = p->partial + CLOTH_PCG_PARTIALS * sim->chunks,
+                            .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
                             .iterations_max = sim->params.pcg_iterations_max};
   sim->launches++;
   return sim->backend->solve(p->device, &a, err);

@@ -49,6 +49,24 @@ static void correct(worker *w, cloth_real *sums)
   wait(w);
 }
 
+// the same with levels of hats: the first from r, the others from the first
+static void correct_hats(const worker *w)
+{
+  cloth_hat_rest_args hats = w->a->hats;
+  hats.done = NULL;
+  share(w, CLOTH_KERNEL_hat_rest, cloth_hat_fine_groups(&hats.hats), &hats);
+  wait(w);
+  share(w, CLOTH_KERNEL_hat_rest_upper, cloth_hat_groups(&hats.hats), &hats);
+  wait(w);
+}
+
+static void spread_hats(const worker *w)
+{
+  cloth_hat_spread_args spread = {w->v.hats, w->scalar + CLOTH_PCG_DONE};
+  share(w, CLOTH_KERNEL_hat_spread, w->v.hats.fine, &spread);
+  wait(w);
+}
+
 // after r, z and their sums: coarse correction, beta, direction
 static void turn(worker *w, int start)
 {
@@ -58,8 +76,10 @@ static void turn(worker *w, int start)
   cloth_pcg_direction_args direction = {w->v};
   wait(w);
   if (w->v.coarse) correct(w, sums);
+  if (w->v.hats.nodes > 0) correct_hats(w);
   cloth_pcg_beta(0, &beta);
   if (done(w)) return;
+  if (w->v.hats.nodes > 0) spread_hats(w);
   share(w, CLOTH_KERNEL_pcg_direction, chunks(w), &direction);
   wait(w);
 }

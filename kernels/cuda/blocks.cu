@@ -8,7 +8,12 @@
 
 namespace {
 
-enum { CHUNK_THREADS = CLOTH_CHUNK, FACTOR_THREADS = 1024 };
+enum {
+  CHUNK_THREADS = CLOTH_CHUNK,
+  FACTOR_THREADS = 1024,
+  HAT_THREADS = CLOTH_HAT_FINE_LANES * CLOTH_HAT_FINE_GROUP
+};
+static_assert(HAT_THREADS == CLOTH_HAT_LANES * CLOTH_HAT_GROUP, "");
 
 // ---- a chunk of vertices for each block ---------------------------------------------------------
 
@@ -16,15 +21,11 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
     start_kernel(const __grid_constant__ cloth_pcg_start_args a)
 {
   __shared__ cloth_real upper[CLOTH_PCG_PARTIALS * CLOTH_WARP];
-  int i = (int)blockIdx.x, k = a.v.first + i * CLOTH_CHUNK + (int)threadIdx.x;
-  cloth_real sum[CLOTH_PCG_PARTIALS];
+  int i = (int)blockIdx.x, first = a.v.first + i * CLOTH_CHUNK, k = first + (int)threadIdx.x;
   cloth_v3 r = cloth_v3_make(0, 0, 0);
   bool there = k < cloth_chunk_end(a.v.first, a.v.count, i);
   if (there) r = cloth_pcg_start_row(k, &a.v);
-  cloth_block_z(&a.v, k, there, r, sum, upper);
-  cloth_real *partial = a.v.partial + CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i);
-  if (threadIdx.x == 0)
-    for (int f = 0; f < CLOTH_PCG_PARTIALS; f++) partial[f] = sum[f];
+  cloth_block_z(&a.v, first, k, there, r, upper);
 }
 
 __global__ void __launch_bounds__(CHUNK_THREADS)
@@ -32,15 +33,11 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
 {
   __shared__ cloth_real upper[CLOTH_PCG_PARTIALS * CLOTH_WARP];
   if (a.v.scalar[CLOTH_PCG_DONE] > 0) return;
-  int i = (int)blockIdx.x, k = a.v.first + i * CLOTH_CHUNK + (int)threadIdx.x;
-  cloth_real sum[CLOTH_PCG_PARTIALS];
+  int i = (int)blockIdx.x, first = a.v.first + i * CLOTH_CHUNK, k = first + (int)threadIdx.x;
   cloth_v3 r = cloth_v3_make(0, 0, 0);
   bool there = k < cloth_chunk_end(a.v.first, a.v.count, i);
   if (there) r = cloth_pcg_update_row(k, &a.v, a.v.scalar[CLOTH_PCG_ALPHA]);
-  cloth_block_z(&a.v, k, there, r, sum, upper);
-  cloth_real *partial = a.v.partial + CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i);
-  if (threadIdx.x == 0)
-    for (int f = 0; f < CLOTH_PCG_PARTIALS; f++) partial[f] = sum[f];
+  cloth_block_z(&a.v, first, k, there, r, upper);
 }
 
 __global__ void __launch_bounds__(CHUNK_THREADS)
@@ -49,7 +46,7 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
   if (a.v.scalar[CLOTH_PCG_DONE] > 0) return;
   int i = (int)blockIdx.x, begin = a.v.first + i * CLOTH_CHUNK, k = begin + (int)threadIdx.x;
   if (k < cloth_chunk_end(a.v.first, a.v.count, i))
-    cloth_pcg_direction_row(k, &a.v, a.v.scalar[CLOTH_PCG_BETA], cloth_pcg_coarse_of(begin, &a.v));
+    cloth_pcg_direction_row(k, &a.v, a.v.scalar[CLOTH_PCG_BETA], cloth_pcg_coarse_of(k, &a.v));
 }
 
 __global__ void __launch_bounds__(CHUNK_THREADS)
@@ -164,7 +161,7 @@ __global__ void __launch_bounds__(CLOTH_PCG_LANES)
   __shared__ cloth_real lanes[CLOTH_PCG_LANES / 2];
   if (!a.start && a.scalar[CLOTH_PCG_DONE] > 0) return;
   cloth_real sum[2];
-  cloth_block_partial_sums(a.partial, a.chunks, sum, lanes);
+  cloth_block_partial_sums(a.partial, a.sums, sum, lanes);
   if (threadIdx.x > 0) return;
   cloth_real rz = sum[0], rr = sum[1];
   if (a.aggregates > 0) rz += cloth_coarse_rz(a.rest, a.coarse, a.aggregates);
@@ -212,23 +209,6 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
     for (unsigned left = rows[w]; left != 0; left &= left - 1)
       cloth_coarse_foreign(i * CLOTH_CHUNK + w * CLOTH_WARP + __ffs((int)left) - 1, &a, e, e + 1,
                            slice);
-}
-
-__global__ void __launch_bounds__(CHUNK_THREADS)
-    levels_chunk_kernel(const __grid_constant__ cloth_levels_chunk_args a)
-{
-  __shared__ cloth_real upper[9 * CLOTH_WARP];
-  int i = (int)blockIdx.x, lane = (int)threadIdx.x, row = i * CLOTH_CHUNK + lane;
-  cloth_real run[9] = {}, chunk[9] = {};
-  if (row < a.rows.count) cloth_levels_row(row, &a.rows, run, chunk);
-  for (int e = 0; e < 9; e++)
-    for (int width = CLOTH_RUN / 2; width > 0; width /= 2)
-      run[e] += __shfl_down_sync(0xffffffffu, run[e], (unsigned)width);
-  int at = a.rows.first + row;
-  if (lane % CLOTH_RUN == 0)
-    cloth_sym3_store(a.run_inverse, at / CLOTH_RUN, cloth_levels_inverse(run));
-  cloth_block_chunk_sums(chunk, upper);
-  if (lane == 0) cloth_sym3_store(a.chunk_inverse, at / CLOTH_CHUNK, cloth_levels_inverse(chunk));
 }
 
 __global__ void coarse_sum_kernel(const __grid_constant__ cloth_coarse_sum_args a)
@@ -318,6 +298,35 @@ __global__ void __launch_bounds__(CLOTH_WARP)
   if (threadIdx.x == 0) a.coarse[i] = *a.usable > 0 ? sum : 0;
 }
 
+// ---- levels of hats ---------------------------------------------------------------------------
+
+__global__ void __launch_bounds__(HAT_THREADS)
+    hat_rest_kernel(const __grid_constant__ cloth_hat_rest_args a)
+{
+  __shared__ cloth_real shares[CLOTH_HAT_FINE_GROUP];
+  if (a.done && *a.done > 0) return;
+  cloth_block_hat_rest(&a, (int)blockIdx.x, shares);
+}
+
+__global__ void __launch_bounds__(HAT_THREADS)
+    hat_rest_upper_kernel(const __grid_constant__ cloth_hat_rest_upper_args a)
+{
+  __shared__ cloth_real shares[CLOTH_HAT_GROUP];
+  if (a.done && *a.done > 0) return;
+  cloth_block_hat_upper(&a, (int)blockIdx.x, shares);
+}
+
+// a warp for each node
+__global__ void __launch_bounds__(CLOTH_HAT_LANES)
+    hat_upper_kernel(const __grid_constant__ cloth_hat_upper_args a)
+{
+  int c = a.hats.fine + (int)blockIdx.x;
+  cloth_real sum[CLOTH_HAT_UPPER_SUMS] = {};
+  cloth_hat_upper_lane(&a, c, (int)threadIdx.x, sum);
+  for (int f = 0; f < CLOTH_HAT_UPPER_SUMS; f++) sum[f] = cloth_warp_sum(sum[f]);
+  if (threadIdx.x == 0) cloth_hat_upper_set(&a, c, sum);
+}
+
 // ---- starting them ------------------------------------------------------------------------------
 
 // a kernel of n blocks
@@ -369,7 +378,9 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     BLOCKS(pcg_beta, beta_kernel, CLOTH_PCG_LANES);
     BLOCKS(pcg_finish, finish_kernel, CLOTH_PCG_LANES);
     CHUNKS(coarse_chunk, coarse_chunk_kernel);
-    CHUNKS(levels_chunk, levels_chunk_kernel);
+    BLOCKS(hat_rest, hat_rest_kernel, HAT_THREADS);
+    BLOCKS(hat_rest_upper, hat_rest_upper_kernel, HAT_THREADS);
+    BLOCKS(hat_upper, hat_upper_kernel, CLOTH_HAT_LANES);
     BLOCKS(coarse_factor, coarse_factor_kernel, FACTOR_THREADS);
     BLOCKS(coarse_rest, coarse_rest_kernel, CLOTH_WARP);
     BLOCKS(coarse_solve, coarse_solve_kernel, CLOTH_WARP);

@@ -14,6 +14,7 @@ struct cloth_device {
   int multiprocessors;
   size_t shared_bytes; // most a block may ask for
   int solve_blocks;    // of a cooperative launch; 0: not asked yet
+  int cluster_blocks;  // of a cluster; 1: there are none
 };
 
 struct cloth_event {

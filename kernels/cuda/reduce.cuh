@@ -2,6 +2,7 @@
 #pragma once
 
 #include "chunk.h"
+#include "hat_rest_upper.h"
 #include "pcg.h"
 
 enum { CLOTH_WARP = 32, CLOTH_CHUNK_SHARED = CLOTH_PCG_PARTIALS * CLOTH_WARP };
@@ -65,38 +66,81 @@ static __device__ __forceinline__ void cloth_block_chunk_sums(cloth_real (&v)[F]
     for (int f = 0; f < F; f++) v[f] = cloth_warp_sum(v[f] + upper[f * CLOTH_WARP]);
 }
 
-/// z of vertex k from its r and its sums, for the chunk of 64 neighbouring threads; the partial
-/// sums of the chunk in sum, on the chunk's first thread. cloth_pcg_chunk_finish() by threads.
-/// Every thread of the chunk must come here; r is zero where `there` is false. shared [chunks x
+/// z of vertex k from its r, and the sums over the chunk of 64 neighbouring threads, written on the
+/// chunk's first thread. cloth_pcg_chunk_finish() by threads. Every thread of the chunk must come
+/// here; r is zero where `there` is false. first: of the chunk; shared [chunks x
 /// CLOTH_CHUNK_SHARED].
-static __device__ __forceinline__ void cloth_block_z(const cloth_pcg_vectors *v, int k, bool there,
-                                                     cloth_v3 r,
-                                                     cloth_real (&sum)[CLOTH_PCG_PARTIALS],
-                                                     cloth_real *shared)
+static __device__ __forceinline__ void cloth_block_z(const cloth_pcg_vectors *v, int first, int k,
+                                                     bool there, cloth_v3 r, cloth_real *shared)
 {
-  cloth_real total[3] = {r.x, r.y, r.z}, run[3] = {r.x, r.y, r.z}, terms[2] = {0, 0};
-  int first = (int)threadIdx.x % CLOTH_WARP / CLOTH_RUN * CLOTH_RUN;
-  cloth_real *told = shared + (int)threadIdx.x / CLOTH_CHUNK * CLOTH_CHUNK_SHARED;
-  cloth_block_chunk_sums(total, shared);
-  cloth_chunk_barrier();
-  if (threadIdx.x % CLOTH_CHUNK == 0)
-    for (int f = 0; f < 3; f++) told[f] = total[f];
-  cloth_chunk_barrier();
-  for (int f = 0; f < 3; f++) {
-    total[f] = told[f];
-    for (int width = CLOTH_RUN / 2; width > 0; width /= 2)
-      run[f] += __shfl_down_sync(0xffffffffu, run[f], (unsigned)width);
-    run[f] = __shfl_sync(0xffffffffu, run[f], first);
-  }
+  bool writes = threadIdx.x % CLOTH_CHUNK == 0 && there;
+  cloth_real terms[2] = {0, 0}, *partial = v->partial + CLOTH_PCG_PARTIALS * (first / CLOTH_CHUNK);
   if (there) {
-    cloth_v3 z = cloth_pcg_z(k, v, r, cloth_v3_make(run[0], run[1], run[2]),
-                             cloth_v3_make(total[0], total[1], total[2]));
+    cloth_v3 z = cloth_pcg_z(k, v, r);
     cloth_v3_store(v->z, k, z);
     terms[0] = cloth_v3_dot(r, z), terms[1] = cloth_v3_dot(r, r);
   }
   cloth_block_chunk_sums(terms, shared);
-  sum[0] = terms[0], sum[1] = terms[1];
-  for (int f = 0; f < 3; f++) sum[2 + f] = total[f];
+  if (writes) partial[0] = terms[0], partial[1] = terms[1];
+  if (!v->coarse) return;
+  cloth_real total[3] = {r.x, r.y, r.z};
+  cloth_block_chunk_sums(total, shared);
+  for (int f = 0; f < 3 && writes; f++) partial[2 + f] = total[f];
+}
+
+/// Sum of three numbers over `Lanes` neighbouring threads, on the first of them.
+template <int Lanes> static __device__ __forceinline__ cloth_v3 cloth_lanes_v3(cloth_v3 v)
+{
+  for (int width = Lanes / 2; width > 0; width /= 2) {
+    v.x += __shfl_down_sync(0xffffffffu, v.x, (unsigned)width, Lanes);
+    v.y += __shfl_down_sync(0xffffffffu, v.y, (unsigned)width, Lanes);
+    v.z += __shfl_down_sync(0xffffffffu, v.z, (unsigned)width, Lanes);
+  }
+  return v;
+}
+
+/// Group of nodes [begin, begin + Group) by a block of Lanes x Group threads:
+/// cloth_hat_rest_group(). Their share of r'z on the first thread. shared [Group]. Every thread of
+/// the block must come here.
+template <int Lanes, int Group>
+static __device__ __forceinline__ cloth_real cloth_block_hats(const cloth_hats *h,
+                                                              const cloth_real *from, int begin,
+                                                              int end, cloth_real *shared)
+{
+  int node = (int)threadIdx.x / Lanes, lane = (int)threadIdx.x % Lanes, c = begin + node;
+  cloth_v3 rest = cloth_v3_make(0, 0, 0);
+  if (c < end) rest = cloth_hat_rest_lane(h, from, c, lane, Lanes);
+  rest = cloth_lanes_v3<Lanes>(rest);
+  __syncthreads(); // `shared` may still be read from the last time
+  if (lane == 0) shared[node] = c < end ? cloth_hat_rest_set(h, c, rest) : 0;
+  __syncthreads();
+  cloth_real sum = threadIdx.x < Group ? shared[threadIdx.x] : 0;
+  if (threadIdx.x < CLOTH_WARP)
+    for (int width = Group / 2; width > 0; width /= 2)
+      sum += __shfl_down_sync(0xffffffffu, sum, (unsigned)width, Group);
+  return sum;
+}
+
+/// Group i of the first level, of the others, with the sum written.
+static __device__ __forceinline__ void cloth_block_hat_rest(const cloth_hat_rest_args *a, int i,
+                                                            cloth_real *shared)
+{
+  int begin = i * CLOTH_HAT_FINE_GROUP, end = begin + CLOTH_HAT_FINE_GROUP;
+  if (end > a->hats.fine) end = a->hats.fine;
+  cloth_real sum = cloth_block_hats<CLOTH_HAT_FINE_LANES, CLOTH_HAT_FINE_GROUP>(&a->hats, a->r,
+                                                                                begin, end, shared);
+  if (threadIdx.x == 0) a->partial[CLOTH_PCG_PARTIALS * i] = sum;
+}
+
+static __device__ __forceinline__ void cloth_block_hat_upper(const cloth_hat_rest_args *a, int i,
+                                                             cloth_real *shared)
+{
+  const cloth_hats *h = &a->hats;
+  int begin = h->fine + i * CLOTH_HAT_GROUP, end = begin + CLOTH_HAT_GROUP;
+  if (end > h->nodes) end = h->nodes;
+  cloth_real sum =
+      cloth_block_hats<CLOTH_HAT_LANES, CLOTH_HAT_GROUP>(h, h->rest, begin, end, shared);
+  if (threadIdx.x == 0) a->partial[CLOTH_PCG_PARTIALS * (cloth_hat_fine_groups(h) + i)] = sum;
 }
 
 /// cloth_partial_sum() of fields 0 .. F - 1 by a block of CLOTH_PCG_LANES threads, on thread 0.

@@ -94,6 +94,14 @@ CLOTH_FN cloth_sym3 cloth_block_diagonal(const cloth_block_rows *r, int row)
 #define CLOTH_UNROLL_MORE
 #endif
 
+// The matrix is read once a product and is larger than the cache of a GPU: it shall not push the
+// vectors out.
+#ifdef __CUDA_ARCH__
+#define CLOTH_ONCE(x) __ldcs(&(x))
+#else
+#define CLOTH_ONCE(x) (x)
+#endif
+
 /// y = A x for one row: the sums of cloth_block_product(), one lane of it.
 CLOTH_FN cloth_v3 cloth_block_row_product(const cloth_block_rows *r, int row, const cloth_real *x)
 {
@@ -103,11 +111,13 @@ CLOTH_FN cloth_v3 cloth_block_row_product(const cloth_block_rows *r, int row, co
   CLOTH_UNROLL
   for (int s = begin; s < end; s++) {
     const int g = CLOTH_ROW_GROUP;
-    cloth_v3 from = cloth_v3_load(x, r->col[(int64_t)s * g + lane]);
+    cloth_v3 from = cloth_v3_load(x, CLOTH_ONCE(r->col[(int64_t)s * g + lane]));
     const cloth_real *a = r->val + (int64_t)s * 9 * g + lane;
-    y.x += a[0] * from.x + a[g] * from.y + a[2 * g] * from.z;
-    y.y += a[3 * g] * from.x + a[4 * g] * from.y + a[5 * g] * from.z;
-    y.z += a[6 * g] * from.x + a[7 * g] * from.y + a[8 * g] * from.z;
+    y.x += CLOTH_ONCE(a[0]) * from.x + CLOTH_ONCE(a[g]) * from.y + CLOTH_ONCE(a[2 * g]) * from.z;
+    y.y += CLOTH_ONCE(a[3 * g]) * from.x + CLOTH_ONCE(a[4 * g]) * from.y +
+           CLOTH_ONCE(a[5 * g]) * from.z;
+    y.z += CLOTH_ONCE(a[6 * g]) * from.x + CLOTH_ONCE(a[7 * g]) * from.y +
+           CLOTH_ONCE(a[8 * g]) * from.z;
   }
   return y;
 }

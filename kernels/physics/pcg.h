@@ -1,4 +1,4 @@
-// Preconditioned conjugate gradients, 3x3 block Jacobi with or without a coarse level, in a form
+// Preconditioned conjugate gradients, 3x3 block Jacobi alone or with coarser levels, in a form
 // that needs no scalar on the host: every number that steers the iteration lives in device memory,
 // and once the solve is done the remaining kernels change nothing. (Hestenes and Stiefel 1952;
 // masked rows: Baraff and Witkin 1998.)
@@ -6,6 +6,7 @@
 
 #include "block_rows.h"
 #include "chunk.h"
+#include "hat.h"
 
 // scalars of one solve, cloth_real [CLOTH_PCG_SCALARS]
 enum {
@@ -23,49 +24,33 @@ enum {
 };
 
 // sums of a chunk, fields of `partial`: r'z of the block Jacobi part (or p'q), r'r, r in x y z
-enum { CLOTH_PCG_PARTIALS = 5, CLOTH_RUN = 8 };
+enum { CLOTH_PCG_PARTIALS = 5 };
 
 // rows of a part: solve vectors are padded to whole chunks, and the padding stays zero
 typedef struct cloth_pcg_vectors {
   int first, count;                   // owned vertices; first is a multiple of CLOTH_CHUNK
   const cloth_real *free;             // [vertices] 1: row is solved, 0: held
   const cloth_real *inverse_diagonal; // [vertices x 6]
-  const cloth_real *run_inverse;   // [vertices / RUN x 6] levels_chunk.h; NULL: block Jacobi alone
-  const cloth_real *chunk_inverse; // [chunks x 6]
-  const cloth_real *b;             // [vertices x 3]
-  cloth_real *dx, *r, *z, *p, *q;  // [vertices x 3]
-  cloth_real *partial;             // [chunks x CLOTH_PCG_PARTIALS] sums of chunks
-  const cloth_real *coarse;        // [aggregates x 3] correction of each aggregate; NULL: none
-  int aggregates, chunks;          // of all parts
-  cloth_real *scalar;              // [CLOTH_PCG_SCALARS]
+  const cloth_real *b;                // [vertices x 3]
+  cloth_real *dx, *r, *z, *p, *q;     // [vertices x 3]
+  cloth_real *partial;                // [chunks x CLOTH_PCG_PARTIALS] sums of chunks; behind them
+                                      // those of hat_rest.h
+  const cloth_real *coarse;           // [aggregates x 3] correction of each aggregate; NULL: none
+  int aggregates, chunks;             // of all parts
+  cloth_hats hats;                    // no nodes: none
+  cloth_real *scalar;                 // [CLOTH_PCG_SCALARS]
 } cloth_pcg_vectors;
 
-/// z of vertex k from r and the sums of r over its run and its chunk.
-CLOTH_FN cloth_v3 cloth_pcg_z(int k, const cloth_pcg_vectors *v, cloth_v3 r, cloth_v3 run,
-                              cloth_v3 chunk)
+/// z of vertex k by block Jacobi.
+CLOTH_FN cloth_v3 cloth_pcg_z(int k, const cloth_pcg_vectors *v, cloth_v3 r)
 {
-  cloth_v3 z = cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r);
-  if (v->run_inverse) {
-    z = cloth_v3_add(z, cloth_sym3_mul(cloth_sym3_load(v->run_inverse, k / CLOTH_RUN), run));
-    z = cloth_v3_add(z, cloth_sym3_mul(cloth_sym3_load(v->chunk_inverse, k / CLOTH_CHUNK), chunk));
-  }
-  return cloth_v3_scale(v->free[k], z);
+  return cloth_v3_scale(v->free[k], cloth_sym3_mul(cloth_sym3_load(v->inverse_diagonal, k), r));
 }
 
 /// r of a chunk, x y z.
 typedef struct cloth_pcg_chunk {
   cloth_real r[3][CLOTH_CHUNK];
 } cloth_pcg_chunk;
-
-CLOTH_FN cloth_v3 cloth_pcg_chunk_sum(const cloth_pcg_chunk *c, int lane, int width)
-{
-  cloth_real sum[3][CLOTH_CHUNK];
-  for (int k = 0; k < 3; k++) {
-    for (int l = 0; l < width; l++) sum[k][l] = c->r[k][lane + l];
-    cloth_lanes_sum(sum[k], width);
-  }
-  return cloth_v3_make(sum[0][0], sum[1][0], sum[2][0]);
-}
 
 /// z of a chunk and its partial sums, from r. Vertices [begin, end); what lies behind is zero.
 CLOTH_FN void cloth_pcg_chunk_finish(const cloth_pcg_vectors *v, cloth_pcg_chunk *c, int begin,
@@ -74,17 +59,15 @@ CLOTH_FN void cloth_pcg_chunk_finish(const cloth_pcg_vectors *v, cloth_pcg_chunk
   cloth_real rz[CLOTH_CHUNK], rr[CLOTH_CHUNK];
   for (int lane = end - begin; lane < CLOTH_CHUNK; lane++)
     c->r[0][lane] = c->r[1][lane] = c->r[2][lane] = rz[lane] = rr[lane] = 0;
-  cloth_v3 chunk = cloth_pcg_chunk_sum(c, 0, CLOTH_CHUNK), run = chunk;
   for (int lane = 0; lane < end - begin; lane++) {
-    if (v->run_inverse && lane % CLOTH_RUN == 0) run = cloth_pcg_chunk_sum(c, lane, CLOTH_RUN);
     cloth_v3 r = cloth_v3_make(c->r[0][lane], c->r[1][lane], c->r[2][lane]);
-    cloth_v3 z = cloth_pcg_z(begin + lane, v, r, run, chunk);
+    cloth_v3 z = cloth_pcg_z(begin + lane, v, r);
     cloth_v3_store(v->z, begin + lane, z);
     rz[lane] = cloth_v3_dot(r, z), rr[lane] = cloth_v3_dot(r, r);
   }
   cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (begin / CLOTH_CHUNK);
   partial[0] = cloth_chunk_sum(rz), partial[1] = cloth_chunk_sum(rr);
-  cloth_v3_store(partial + 2, 0, chunk);
+  for (int k = 0; k < 3 && v->coarse; k++) partial[2 + k] = cloth_chunk_sum(c->r[k]);
 }
 
 CLOTH_FN void cloth_pcg_chunk_set(cloth_pcg_chunk *c, int lane, cloth_v3 r)

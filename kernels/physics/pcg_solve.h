@@ -5,6 +5,8 @@
 #include "coarse_rest.h"
 #include "coarse_solve.h"
 #include "contact_product.h"
+#include "hat_rest_upper.h"
+#include "hat_spread.h"
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_product.h"
@@ -18,6 +20,7 @@ typedef struct cloth_pcg_solve_args {
   cloth_pcg_product_args product;
   cloth_coarse_rest_args rest; // with aggregates only
   cloth_coarse_solve_args coarse;
+  cloth_hat_rest_args hats; // with levels of hats only
   cloth_pcg_beta_args beta; // its `start` is not read
   cloth_real *more_partial; // [chunks x CLOTH_PCG_PARTIALS] for who adds p'q up while others go on
   int iterations_max;

@@ -10,7 +10,6 @@
 #include "coarse_sum.h"
 #include "contact_product.h"
 #include "correct.h"
-#include "levels_chunk.h"
 #include "pcg_alpha.h"
 #include "pcg_beta.h"
 #include "pcg_direction.h"
@@ -20,6 +19,7 @@
 #include "pcg_solve.h"
 #include "pcg_start.h"
 #include "pcg_update.h"
+#include "solve/hats.h"
 #include "state/sim.h"
 
 #include <math.h>
@@ -30,8 +30,6 @@ static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
                          .count = p->v1 - p->v0,
                          .free = p->free,
                          .inverse_diagonal = p->inverse_diagonal,
-                         .run_inverse = p->run_inverse,
-                         .chunk_inverse = p->chunk_inverse,
                          .b = p->b,
                          .dx = p->dx,
                          .r = p->r,
@@ -42,6 +40,7 @@ static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
                          .coarse = sim->aggregates > 0 ? p->coarse : NULL,
                          .aggregates = sim->aggregates,
                          .chunks = sim->chunks,
+                         .hats = p->hats,
                          .scalar = p->scalar};
   return v;
 }
@@ -95,7 +94,7 @@ static cloth_coarse_solve_args coarse_args(const cloth_sim *sim, const cloth_par
 
 static cloth_pcg_beta_args beta_args(const cloth_sim *sim, const cloth_part *p, int start)
 {
-  cloth_pcg_beta_args a = {.chunks = sim->chunks,
+  cloth_pcg_beta_args a = {.sums = sim->chunks + sim->hat_groups,
                            .start = start,
                            .tolerance = (cloth_real)sim->params.pcg_tolerance,
                            .first = sim->iteration == 0,
@@ -121,9 +120,10 @@ static cloth_status product(cloth_sim *sim, bool of_dx, cloth_error *err)
   return CLOTH_OK;
 }
 
-// the coarse matrix and its factor, from the first linear system of a substep
+// what the coarser levels need, from the first linear system of a substep
 static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
 {
+  if (sim->hat_groups > 0 && sim->iteration == 0) return cloth_hats_update(sim, err);
   if (sim->aggregates == 0 || sim->iteration > 0) return CLOTH_OK;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
@@ -141,8 +141,6 @@ static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
                                  .contact_tangent = p->contact_tangent,
                                  .slice = p->slice};
     CLOTH_LAUNCH(sim, p, coarse_chunk, cloth_part_chunks(p), &a, err);
-    cloth_levels_chunk_args l = {a, p->run_inverse, p->chunk_inverse};
-    if (p->run_inverse) CLOTH_LAUNCH(sim, p, levels_chunk, cloth_part_chunks(p), &l, err);
   }
   size_t row = sizeof(cloth_real) * 9 * (size_t)sim->aggregates;
   CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, slice), true, row, err));
@@ -161,6 +159,7 @@ static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
 static cloth_status beta(cloth_sim *sim, int start, cloth_error *err)
 {
   CLOTH_TRY(exchange_partial(sim, err));
+  if (sim->hat_groups > 0) CLOTH_TRY(cloth_hats_correct(sim, start, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     const cloth_real *done = start ? NULL : done_flag(p);
@@ -176,6 +175,7 @@ static cloth_status beta(cloth_sim *sim, int start, cloth_error *err)
 
 static cloth_status direction(cloth_sim *sim, cloth_error *err)
 {
+  if (sim->hat_groups > 0) CLOTH_TRY(cloth_hats_spread(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_pcg_direction_args a = {vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_direction, cloth_part_chunks(&sim->part[i]), &a, err);
@@ -260,14 +260,16 @@ static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
 {
   cloth_part *p = &sim->part[0];
   const cloth_real *done = done_flag(p);
+  size_t sums = (size_t)(sim->chunks + sim->hat_groups);
   cloth_pcg_solve_args a = {.v = vectors(sim, p),
                             .contact = contact_args(sim, p, p->p),
                             .contacts = p->contact_count,
                             .product = product_args(p, p->p, done),
                             .rest = rest_args(sim, p, done),
                             .coarse = coarse_args(sim, p, done),
+                            .hats = cloth_hats_args(sim, p, done),
                             .beta = beta_args(sim, p, 1),
-                            .more_partial = p->partial + CLOTH_PCG_PARTIALS * sim->chunks,
+                            .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
                             .iterations_max = sim->params.pcg_iterations_max};
   sim->launches++;
   return sim->backend->solve(p->device, &a, err);

@@ -8,11 +8,14 @@
 #include "effect/effect.h"
 #include "impact_find.h"
 #include "pcg.h"
+#include "solve/hats.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { CLOTH_TWO_LEVEL = 1, CLOTH_MULTILEVEL = 2 }; // of the parameter preconditioner
 
 // ---- devices and parts --------------------------------------------------------------------------
 
@@ -73,7 +76,8 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   for (int i = 0; i < 6; i++) // one more: block_rows.h reads past the last vertex
     CLOTH_TRY(take_reals(sim, p, "solve", padded + 1, 3, solve[i], err));
   CLOTH_TRY(take_reals(sim, p, "inverse_diagonal", padded, 6, &p->inverse_diagonal, err));
-  CLOTH_TRY(take_reals(sim, p, "partial", 2 * sim->chunks, CLOTH_PCG_PARTIALS, &p->partial, err));
+  int sums = 2 * sim->chunks + sim->hat_groups; // some for z, others for the product
+  CLOTH_TRY(take_reals(sim, p, "partial", sums, CLOTH_PCG_PARTIALS, &p->partial, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
   CLOTH_TRY(take_reals(sim, p, "box_of_chunk", sim->chunks, 6, &p->box_of_chunk, err));
@@ -84,11 +88,6 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
 static cloth_status take_coarse(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   int n = 3 * sim->aggregates;
-  int runs = sim->chunks * (CLOTH_CHUNK / CLOTH_RUN);
-  if (sim->params.preconditioner > 1) {
-    CLOTH_TRY(take_reals(sim, p, "run_inverse", runs, 6, &p->run_inverse, err));
-    CLOTH_TRY(take_reals(sim, p, "chunk_inverse", sim->chunks, 6, &p->chunk_inverse, err));
-  }
   CLOTH_TRY(take_reals(sim, p, "slice", sim->chunks, 3 * n, &p->slice, err));
   CLOTH_TRY(take_reals(sim, p, "factor", n, n, &p->factor, err));
   CLOTH_TRY(take_reals(sim, p, "inverse", n, n, &p->inverse, err));
@@ -175,14 +174,16 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->all_vertices + 16, err));
   CLOTH_TRY(take_vertices(sim, p, err));
   if (cloth_is_mass_spring(sim)) return cloth_springs_upload(sim, p, err);
-  CLOTH_TRY(take_solve(sim, p, err));
   // worth it when there is something stiff to solve and more than a patch of it
-  bool coarse =
-      sim->params.preconditioner > 0 && sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
-  sim->aggregates = !coarse                              ? 0
+  bool coarser = sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
+  bool two = coarser && sim->params.preconditioner == CLOTH_TWO_LEVEL;
+  sim->aggregates = !two                                 ? 0
                     : sim->chunks < CLOTH_AGGREGATES_MAX ? sim->chunks
                                                          : CLOTH_AGGREGATES_MAX;
-  if (coarse) CLOTH_TRY(take_coarse(sim, p, err));
+  if (two) CLOTH_TRY(take_coarse(sim, p, err));
+  if (coarser && sim->params.preconditioner == CLOTH_MULTILEVEL)
+    CLOTH_TRY(cloth_hats_build(sim, p, err));
+  CLOTH_TRY(take_solve(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;

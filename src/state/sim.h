@@ -16,6 +16,7 @@
 #include "ccd/zones.h"
 #include "contact/tangle.h"
 #include "flat_patch.h"
+#include "hat.h"
 #include "pair_key.h"
 #include "real.h"
 #include "scene/def.h"
@@ -143,7 +144,8 @@ typedef struct cloth_part {
   cloth_real *inverse_diagonal;       // [n x 6]
   cloth_real *partial, *scalar;
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
-  cloth_real *run_inverse, *chunk_inverse;                            // levels_chunk.h
+  cloth_hats hats;                                     // levels of the solver, see hat.h
+  cloth_real *hat_place, *hat_block, *hat_part;        // [n x 3], [n x 5 x 6], [fine x 12]
   cloth_real *commit, *largest;  // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
   cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
   cloth_real *box_of_chunk;      // [chunks x 6] m
@@ -199,6 +201,7 @@ struct cloth_sim {
   int hinge_count;
   int chunks;
   int aggregates;           // of the coarse level; 0: none
+  int hat_groups;           // of the levels between, entries of `partial` behind the chunks
   int *cloth_first;         // [cloths + 1] first internal vertex
   int *triangle_first;      // [cloths + 1]
   int *order;               // [vertex_count] file order within the cloth, by internal vertex

@@ -1,0 +1,93 @@
+// Barriers among all blocks of a kernel, two ways: through device memory for as many blocks as are
+// resident, and in hardware for one cluster of blocks (sm_90), several times faster. What a block
+// wrote before a barrier is seen by all after it.
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+struct cloth_together_state { // in device memory, zero before the launch
+  unsigned arrived, passed;
+};
+
+/// All blocks of a cooperative launch.
+struct cloth_together_grid {
+  cloth_together_state *state;
+  unsigned barriers; // passed by this block
+
+  __device__ explicit cloth_together_grid(cloth_together_state *s) : state(s), barriers(0) {}
+
+  __device__ void sync()
+  {
+    barriers++;
+    __syncthreads();
+    if (threadIdx.x == 0) {
+      count_up(&state->arrived);
+      wait_for(&state->arrived, barriers * gridDim.x);
+    }
+    __syncthreads();
+  }
+
+  /// The same, but `last` runs on the whole block that arrives last before any goes on.
+  template <typename Last> __device__ void sync(Last last)
+  {
+    __shared__ int is_last;
+    barriers++;
+    __syncthreads();
+    if (threadIdx.x == 0) is_last = count_up(&state->arrived) == barriers * gridDim.x - 1;
+    __syncthreads();
+    if (is_last) {
+      last();
+      __syncthreads();
+      if (threadIdx.x == 0) tell(&state->passed, barriers);
+    } else if (threadIdx.x == 0) {
+      wait_for(&state->passed, barriers);
+    }
+    __syncthreads();
+  }
+
+private:
+  // Counting releases and waiting acquires. That is cheaper than full fences, and enough, because a
+  // block's threads meet before and after.
+  static __device__ unsigned count_up(unsigned *at)
+  {
+    unsigned before;
+    asm volatile("atom.add.acq_rel.gpu.global.u32 %0, [%1], 1;"
+                 : "=r"(before)
+                 : "l"(at)
+                 : "memory");
+    return before;
+  }
+
+  static __device__ void wait_for(const unsigned *at, unsigned most)
+  {
+    unsigned now;
+    do asm volatile("ld.acquire.gpu.global.u32 %0, [%1];" : "=r"(now) : "l"(at) : "memory");
+    while (now < most);
+  }
+
+  static __device__ void tell(unsigned *at, unsigned value)
+  {
+    asm volatile("st.release.gpu.global.u32 [%0], %1;" ::"l"(at), "r"(value) : "memory");
+  }
+};
+
+/// One cluster of blocks.
+struct cloth_together_cluster {
+  __device__ explicit cloth_together_cluster(cloth_together_state *) {}
+
+  __device__ void sync()
+  {
+#if __CUDA_ARCH__ >= 900
+    asm volatile("barrier.cluster.arrive.release.aligned;\n"
+                 "barrier.cluster.wait.acquire.aligned;" ::
+                     : "memory");
+#endif
+  }
+
+  template <typename Last> __device__ void sync(Last last)
+  {
+    sync();
+    if (blockIdx.x == 0) last();
+    sync();
+  }
+};

@@ -44,6 +44,7 @@
 #include "hat_upper.h"
 #include "hold.h"
 #include "hold_jump.h"
+#include "hold_measure.h"
 #include "impact_find.h"
 #include "impact_hold_back.h"
 #include "impact_limit.h"

@@ -32,6 +32,7 @@ cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_par
       .triangle_edge = p->triangle_edge,
       .edge_side = p->edge_side,
       .edge_flat = p->edge_flat,
+      .vertex_flat = p->vertex_flat,
       .x_t0 = p->x_t0,
       .x = p->x,
       .x_pred = p->x_pred,

@@ -17,6 +17,7 @@ CLOTH_KERNEL(hold_jump, 1024)
 CLOTH_KERNEL(correct, 64)
 CLOTH_KERNEL(motion_chunk, 64)
 CLOTH_KERNEL(commit_chunk, 64)
+CLOTH_KERNEL(shift_chunk, 64)
 
 // effects
 CLOTH_KERNEL(membrane, 64)

@@ -62,6 +62,7 @@
 #include "pcg_update.h"
 #include "predict.h"
 #include "reduce_max.h"
+#include "shift_chunk.h"
 #include "spring_chunk.h"
 #include "spring_step.h"
 #include "tangle_find.h"

@@ -206,6 +206,7 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
                                   .trial = p->friction_trial,
                                   .state = p->friction_state,
                                   .bound = p->friction_bound,
+                                  .secant = p->friction_secant,
                                   .limit = cloth_friction_limit(sim),
                                   .stiffness = (cloth_real)sim->params.contact_stiffness,
                                   .force = p->contact_force,

@@ -127,6 +127,7 @@ typedef struct cloth_part {
   // friction: of the contacts, and what is kept from substep to substep (contact/friction.c)
   cloth_real *friction_elastic, *friction_trial; // [contacts x 3] m
   cloth_real *friction_bound;                    // [contacts] N
+  cloth_real *friction_secant;                   // [contacts] N/m
   unsigned char *friction_state;                 // [contacts]
   uint64_t *kept, *kept_saved;                   // [kept_count] keys, now and before the step
   cloth_real *kept_slip, *kept_slip_saved;       // [kept_count x 3] m

@@ -18,6 +18,9 @@ CLOTH_KERNEL(correct, 64)
 CLOTH_KERNEL(motion_chunk, 64)
 CLOTH_KERNEL(commit_chunk, 64)
 CLOTH_KERNEL(shift_chunk, 64)
+CLOTH_KERNEL(balance_chunk, 64)
+CLOTH_KERNEL(balance_mean, 64)
+CLOTH_KERNEL(balance_shift, 4096)
 
 // effects
 CLOTH_KERNEL(membrane, 64)

@@ -105,6 +105,7 @@ static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
     if (settled) break;
   }
   sim->correction = correction;
+  CLOTH_TRY(cloth_balance(sim, err)); // solve/balance.c    momentum of free flight
   CLOTH_TRY(cloth_holds_measure(sim, err));
   sim->owner = owner;
   return CLOTH_OK;

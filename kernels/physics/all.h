@@ -2,6 +2,9 @@
 #pragma once
 
 #include "assemble_row.h"
+#include "balance_chunk.h"
+#include "balance_mean.h"
+#include "balance_shift.h"
 #include "bend.h"
 #include "bend_quadratic.h"
 #include "bend_shape.h"

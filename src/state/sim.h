@@ -150,6 +150,7 @@ typedef struct cloth_part {
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
   cloth_real *commit, *largest;                 // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
   cloth_real *x_saved, *v_saved;                // [n x 3] start of the whole step, for going back
+  cloth_real *balance;                          // [3] m, solve/balance.c
   cloth_real *box_of_chunk;                     // [chunks x 6] m
   cloth_event *ready, *sent;
   cloth_event *stage_begin, *stage_end; // with the parameter `profile`
@@ -220,6 +221,7 @@ struct cloth_sim {
   int *hinge_triangle;        // [hinge_count] one of its two triangles
   double *rest;               // [vertex_count x 3] m, scene frame at the start
   double *mass;               // [vertex_count] kg
+  double mass_total;          // kg
   double mean_edge;           // m
   cloth_bend_rest *bend_rest; // all bending elements, while bending is active
 
@@ -369,6 +371,10 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_effects_apply(cloth_sim *sim, int iteration, cloth_error *err);
 cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
+
+/// After a solve: cloth that nothing holds or touches keeps its momentum, whatever residual is
+/// left.
+cloth_status cloth_balance(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 

@@ -17,6 +17,10 @@ CLOTH_KERNEL(hold_jump, 1024)
 CLOTH_KERNEL(correct, 64)
 CLOTH_KERNEL(motion_chunk, 64)
 CLOTH_KERNEL(commit_chunk, 64)
+CLOTH_KERNEL(shift_chunk, 64)
+CLOTH_KERNEL(balance_chunk, 64)
+CLOTH_KERNEL(balance_mean, 64)
+CLOTH_KERNEL(balance_shift, 4096)
 
 // effects
 CLOTH_KERNEL(membrane, 64)

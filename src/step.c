@@ -9,6 +9,7 @@
 #include "effect/effect.h"
 #include "membrane_stretch.h"
 #include "reduce_max.h"
+#include "shift_chunk.h"
 #include "state/state.h"
 
 #include <math.h>
@@ -22,7 +23,18 @@ enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 // a body that leaves no room is not cured by ever smaller steps
 enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3 };
 
-#define ROUGH 0.15 // a last correction above this share of an edge: the system was far from linear
+// Shares of the mean edge. A correction that is still above the first asks for further Newton
+// iterations; one above the second for a shorter substep, as do impact zones that move a vertex
+// that far: what they move stretches the cloth around it, which had no say in it.
+#define UNSETTLED 0.05
+#define ROUGH     0.15
+
+enum { FURTHER_ITERATIONS = 4 };
+
+static bool is_rough(const cloth_sim *sim, double distance)
+{
+  return !(distance <= ROUGH * sim->mean_edge);
+}
 
 static double now_ms(void)
 {
@@ -75,10 +87,10 @@ static int owner_of_contact(const cloth_sim *sim)
                                                 : CLOTH_EFFECT_body_contact;
 }
 
-// Newton iterations `first` to `last` - 1
+// Newton iterations `first` to `last` - 1, and some more where the last still is a large one
 static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
 {
-  int owner = sim->owner;
+  int owner = sim->owner, most = first == 0 && last > 1 ? last + FURTHER_ITERATIONS : last;
   double correction = 0;
   sim->owner = CLOTH_CORE;
   for (int n = first; n < last; n++) {
@@ -87,19 +99,35 @@ static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
     STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
     STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
     STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
+    if (n + 1 == last && last < most && !(correction <= UNSETTLED * sim->mean_edge)) last++;
     if (!(correction <= sim->params.newton_tolerance * sim->params.thickness)) continue;
     CLOTH_TRY(cloth_friction_settled(sim, &settled, err)); // contact/friction.c sticks or slides
     if (settled) break;
   }
   sim->correction = correction;
+  CLOTH_TRY(cloth_balance(sim, err)); // solve/balance.c    momentum of free flight
   CLOTH_TRY(cloth_holds_measure(sim, err));
   sim->owner = owner;
   return CLOTH_OK;
 }
 
+// how far the zones and the failsafe have moved vertices from the end of the solve [m]
+static cloth_status measure_shift(cloth_sim *sim, double *out, cloth_error *err)
+{
+  cloth_part *p = &sim->part[0]; // every part has the same
+  cloth_shift_chunk_args a = {sim->vertex_count, p->zone.x_solved, p->x, p->largest};
+  CLOTH_LAUNCH(sim, p, shift_chunk, sim->chunks, &a, err);
+  CLOTH_TRY(cloth_staging(sim, (size_t)sim->chunks, err));
+  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->largest,
+                               sizeof(cloth_real) * (size_t)sim->chunks, err));
+  for (int c = 0; c < sim->chunks; c++)
+    if (!((double)sim->host[c] <= *out)) *out = (double)sim->host[c];
+  return CLOTH_OK;
+}
+
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
-static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
+static cloth_status part_what_meets(cloth_sim *sim, int *left, double *shift, cloth_error *err)
 {
   int impacts, n = sim->params.newton_iterations_max;
   if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
@@ -111,6 +139,7 @@ static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
   }
   STAGE(ccd, cloth_ccd_resolve(sim, left, err)); // ccd/zones.c, ccd/failsafe.c
+  if (impacts > 0) CLOTH_TRY(measure_shift(sim, shift, err));
   return cloth_contact_totals(sim, err);
 }
 
@@ -118,6 +147,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
                                   cloth_error *err)
 {
   int left = 0;
+  double shift = 0;
   bool touch = sim->active[CLOTH_EFFECT_self_contact];
   CLOTH_TRY(cloth_damping_set(sim, sim->h, err));
   STAGE(predict,
@@ -141,11 +171,11 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
     touch = sim->report->bodies_near > 0;
   }
-  if (touch) CLOTH_TRY(part_what_meets(sim, &left, err));
+  if (touch) CLOTH_TRY(part_what_meets(sim, &left, &shift, err));
   sim->owner = CLOTH_CORE;
   sim->impacts_left = left;
   // the first correction is the whole answer to the prediction, not what is left of the error
-  bool rough = sim->iteration > 0 && !(sim->correction <= ROUGH * sim->mean_edge);
+  bool rough = (sim->iteration > 0 && is_rough(sim, sim->correction)) || is_rough(sim, shift);
   *result = left > 0 ? OUTCOME_IMPACTS : rough ? OUTCOME_ROUGH : OUTCOME_GOOD;
   STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
   return CLOTH_OK;

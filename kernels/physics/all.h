@@ -2,6 +2,9 @@
 #pragma once
 
 #include "assemble_row.h"
+#include "balance_chunk.h"
+#include "balance_mean.h"
+#include "balance_shift.h"
 #include "bend.h"
 #include "bend_quadratic.h"
 #include "bend_shape.h"
@@ -62,6 +65,7 @@
 #include "pcg_update.h"
 #include "predict.h"
 #include "reduce_max.h"
+#include "shift_chunk.h"
 #include "spring_chunk.h"
 #include "spring_step.h"
 #include "tangle_find.h"

@@ -81,6 +81,7 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
   CLOTH_TRY(take_reals(sim, p, "box_of_chunk", sim->chunks, 6, &p->box_of_chunk, err));
+  CLOTH_TRY(take_reals(sim, p, "balance", 1, 3, &p->balance, err));
   return take_reals(sim, p, "largest", sim->chunks, 1, &p->largest, err);
 }
 
@@ -111,6 +112,8 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
                          sizeof(int) * 2 * (size_t)sim->all_edges, &p->edge_side, err));
   CLOTH_TRY(cloth_upload(sim, p, "edge_flat", sim->edge_flat, (size_t)sim->all_edges, &p->edge_flat,
                          err));
+  CLOTH_TRY(cloth_upload(sim, p, "vertex_flat", sim->vertex_flat,
+                         (size_t)(sim->all_vertices - sim->vertex_count), &p->vertex_flat, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
   CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 8, &p->counter, err));
@@ -225,8 +228,9 @@ void cloth_sim_free(void *data)
   free(sim->blocking.body);
   cloth_bend_rest_free(sim->bend_rest);
   cloth_springs_free(&sim->springs);
-  free(sim->edge_side), free(sim->edge_flat), free(sim->hinge), free(sim->hinge_triangle),
-      free(sim->rest), free(sim->mass), free(sim->host), free(sim->held_index);
+  free(sim->edge_side), free(sim->edge_flat), free(sim->vertex_flat), free(sim->hinge),
+      free(sim->hinge_triangle), free(sim->rest), free(sim->mass), free(sim->host),
+      free(sim->held_index);
   free(sim);
 }
 

@@ -83,15 +83,16 @@ typedef struct cloth_part {
   cloth_real *membrane_force, *membrane_tangent;     // [count x 9], [count x 45]
   cloth_real *drag_coefficient, *drag_force, *drag_tangent;
   cloth_real *bend_stiffness, *bend_rest, *bend_damping, *bend_force, *bend_gradient, *bend_weight;
-  cloth_real *membrane_measured; // [cloths x 24] N/m, or NULL: no measured fabric
+  cloth_real *membrane_measured;              // [cloths x 24] N/m, or NULL: no measured fabric
   cloth_real *bend_direction, *bend_measured; // [bend.count x 6], [cloths x 15] N m, or NULL
   int *bend_material;                         // [bend.count], or NULL
-  cloth_real *bend_constant; // [bend.count x 4] of quadratic bending, else NULL
-  cloth_real *stretch, *stretch_largest; // [membrane.count], [chunks]
+  cloth_real *bend_constant;                  // [bend.count x 4] of quadratic bending, else NULL
+  cloth_real *stretch, *stretch_largest;      // [membrane.count], [chunks]
 
   // pairs
   int *triangle, *triangle_edge, *owns, *edge, *edge_side;
   unsigned char *edge_flat;              // of all cloth and bodies
+  unsigned char *vertex_flat;            // of bodies
   cloth_real *vertex_box, *triangle_box; // [all x 6] m
   int *body_triangle;                    // triangles of near bodies
   uint32_t *cells;                       // [active + 1]
@@ -126,6 +127,7 @@ typedef struct cloth_part {
   // friction: of the contacts, and what is kept from substep to substep (contact/friction.c)
   cloth_real *friction_elastic, *friction_trial; // [contacts x 3] m
   cloth_real *friction_bound;                    // [contacts] N
+  cloth_real *friction_secant;                   // [contacts] N/m
   unsigned char *friction_state;                 // [contacts]
   uint64_t *kept, *kept_saved;                   // [kept_count] keys, now and before the step
   cloth_real *kept_slip, *kept_slip_saved;       // [kept_count x 3] m
@@ -144,11 +146,12 @@ typedef struct cloth_part {
   cloth_real *inverse_diagonal;       // [n x 6]
   cloth_real *partial, *scalar;
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
-  cloth_hats hats;                                     // levels of the solver, see hat.h
-  cloth_real *hat_place, *hat_block, *hat_part;        // [n x 3], [n x 5 x 6], [fine x 12]
-  cloth_real *commit, *largest;  // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
-  cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
-  cloth_real *box_of_chunk;      // [chunks x 6] m
+  cloth_hats hats;                              // levels of the solver, see hat.h
+  cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
+  cloth_real *commit, *largest;                 // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
+  cloth_real *x_saved, *v_saved;                // [n x 3] start of the whole step, for going back
+  cloth_real *balance;                          // [3] m, solve/balance.c
+  cloth_real *box_of_chunk;                     // [chunks x 6] m
   cloth_event *ready, *sent;
   cloth_event *stage_begin, *stage_end; // with the parameter `profile`
 } cloth_part;
@@ -200,24 +203,26 @@ struct cloth_sim {
   int edge_count, all_edges;
   int hinge_count;
   int chunks;
-  int aggregates;           // of the coarse level; 0: none
-  int hat_groups;           // of the levels between, entries of `partial` behind the chunks
-  int *cloth_first;         // [cloths + 1] first internal vertex
-  int *triangle_first;      // [cloths + 1]
-  int *order;               // [vertex_count] file order within the cloth, by internal vertex
-  int *internal;            // [vertex_count] internal vertex, by cloth_first + file order
-  int *triangle_order;      // [triangle_count] file order within the cloth, by internal triangle
-  int *triangle;            // [all_triangles x 3]
-  int *edge;                // [all_edges x 2]
-  int *edge_side;           // [all_edges x 2] triangles on it, lowest first; -1: none
-  unsigned char *edge_flat; // [all_edges] 1: between two faces of a body that lie in one plane
-  int *triangle_edge;       // [all_triangles x 3]
-  int *owns;                // [all_triangles]
-  int *hinge;               // [hinge_count x 4] the shared edge, then the corners across from it
-  int *hinge_triangle;      // [hinge_count] one of its two triangles
-  double *rest;             // [vertex_count x 3] m, scene frame at the start
-  double *mass;             // [vertex_count] kg
-  double mean_edge;         // m
+  int aggregates;             // of the coarse level; 0: none
+  int hat_groups;             // of the levels between, entries of `partial` behind the chunks
+  int *cloth_first;           // [cloths + 1] first internal vertex
+  int *triangle_first;        // [cloths + 1]
+  int *order;                 // [vertex_count] file order within the cloth, by internal vertex
+  int *internal;              // [vertex_count] internal vertex, by cloth_first + file order
+  int *triangle_order;        // [triangle_count] file order within the cloth, by internal triangle
+  int *triangle;              // [all_triangles x 3]
+  int *edge;                  // [all_edges x 2]
+  int *edge_side;             // [all_edges x 2] triangles on it, lowest first; -1: none
+  unsigned char *edge_flat;   // [all_edges] 1: between two faces of a body that lie in one plane
+  unsigned char *vertex_flat; // [body vertices] 1: all edges at it are flat
+  int *triangle_edge;         // [all_triangles x 3]
+  int *owns;                  // [all_triangles]
+  int *hinge;                 // [hinge_count x 4] the shared edge, then the corners across from it
+  int *hinge_triangle;        // [hinge_count] one of its two triangles
+  double *rest;               // [vertex_count x 3] m, scene frame at the start
+  double *mass;               // [vertex_count] kg
+  double mass_total;          // kg
+  double mean_edge;           // m
   cloth_bend_rest *bend_rest; // all bending elements, while bending is active
 
   cloth_body *body;
@@ -366,6 +371,10 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_effects_apply(cloth_sim *sim, int iteration, cloth_error *err);
 cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
+
+/// After a solve: cloth that nothing holds or touches keeps its momentum, whatever residual is
+/// left.
+cloth_status cloth_balance(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 

@@ -31,8 +31,6 @@ class Run:
         self.folder, self.precision = folder, precision
         command = [cloth, 'run', os.path.join(SCENES, scene.file + '.yaml'), '--variant', scene.variant,
                    '--precision', precision, '--out', folder, '--hash', '--quiet'] + list(more)
-        for setting in scene.settings.get(precision, ()):
-            command += ['--set', setting]
         if steps:
             command += ['--steps', str(steps)]
         try:

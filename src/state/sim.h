@@ -256,6 +256,9 @@ struct cloth_sim {
   int impacts_left;      // of this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
+  // impacts that zones would have had to solve in this substep, as a share of what is crowded (step.c)
+  double crowd;
+  int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;
   cloth_blocking blocking;
   cloth_springs springs; // integrator mass_spring
@@ -367,6 +370,7 @@ cloth_status cloth_effects_apply(cloth_sim *sim, int iteration, cloth_error *err
 cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
 cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
+int cloth_impacts_of_cloth(const cloth_sim *sim); // of cloth with cloth, of those last found
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
 // ---- parts (solve/exchange.c) -------------------------------------------------------------------

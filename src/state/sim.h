@@ -256,8 +256,7 @@ struct cloth_sim {
   int impacts_left;      // of this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
-  // impacts that zones would have had to solve in this substep, as a share of what is crowded (step.c)
-  double crowd;
+  double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
   int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;
   cloth_blocking blocking;

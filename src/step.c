@@ -12,16 +12,23 @@
 #include "shift_chunk.h"
 #include "state/state.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
-typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_ROUGH, OUTCOME_UNSTABLE } outcome;
+typedef enum outcome {
+  OUTCOME_GOOD,
+  OUTCOME_IMPACTS,
+  OUTCOME_ROUGH,
+  OUTCOME_CROWDED,
+  OUTCOME_UNSTABLE
+} outcome;
 
 enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 
 // a body that leaves no room is not cured by ever smaller steps
-enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3 };
+enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3, CROWDED_HALVINGS = 5 };
 
 // Shares of the mean edge. A correction that is still above the first asks for further Newton
 // iterations; one above the second for a shorter substep, as do impact zones that move a vertex
@@ -31,9 +38,21 @@ enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3 };
 
 enum { FURTHER_ITERATIONS = 4 };
 
+// As many impacts of cloth with cloth as this, and zones would grind: half the step costs less and
+// stays nearer to what the solver found. A share of the vertices, and some that any cloth may have.
+#define CROWDED_SHARE 0.03
+#define CROWDED_LEAST 16
+#define CALM          0.25 // below this share of what is crowded, longer substeps are tried again
+
 static bool is_rough(const cloth_sim *sim, double distance)
 {
   return !(distance <= ROUGH * sim->mean_edge);
+}
+
+// the first correction is the whole answer to the prediction, not what is left of the error
+static bool is_far_from_linear(const cloth_sim *sim)
+{
+  return sim->iteration > 0 && is_rough(sim, sim->correction);
 }
 
 static double now_ms(void)
@@ -125,9 +144,33 @@ static cloth_status measure_shift(cloth_sim *sim, double *out, cloth_error *err)
   return CLOTH_OK;
 }
 
+// how a step is cut
+typedef struct cutting {
+  double share;        // of the step, of one substep
+  int depth, halvings; // times it was halved: as the last step was, and in this one
+  int left;            // impacts that were left when it was halved last because of them
+  double crowd;        // most crowded substep, repeated or not
+} cutting;
+
+// May a substep with this outcome, impacts left aside, be repeated at half its length?
+static bool may_cut(const cloth_sim *sim, const cutting *c, outcome result)
+{
+  static const int most[] = {[OUTCOME_ROUGH] = ROUGH_HALVINGS,
+                             [OUTCOME_CROWDED] = CROWDED_HALVINGS,
+                             [OUTCOME_UNSTABLE] = INT_MAX};
+  return c->depth + c->halvings < most[result] && c->halvings < sim->params.step_halvings_max;
+}
+
+// impacts that are many
+static double crowded(const cloth_sim *sim)
+{
+  return CROWDED_LEAST + CROWDED_SHARE * sim->vertex_count;
+}
+
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
-static cloth_status part_what_meets(cloth_sim *sim, int *left, double *shift, cloth_error *err)
+static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *result, int *left,
+                                    cloth_error *err)
 {
   int impacts, n = sim->params.newton_iterations_max;
   if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
@@ -138,16 +181,25 @@ static cloth_status part_what_meets(cloth_sim *sim, int *left, double *shift, cl
     sim->report->contact_rounds++;
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
   }
+  sim->crowd = cloth_impacts_of_cloth(sim) / crowded(sim);
+  *result = sim->crowd > 1            ? OUTCOME_CROWDED
+            : is_far_from_linear(sim) ? OUTCOME_ROUGH
+                                      : OUTCOME_GOOD;
+  if (may_cut(sim, c, *result)) return CLOTH_OK; // no work for what will be thrown away
+  *result = OUTCOME_GOOD;
   STAGE(ccd, cloth_ccd_resolve(sim, left, err)); // ccd/zones.c, ccd/failsafe.c
-  if (impacts > 0) CLOTH_TRY(measure_shift(sim, shift, err));
+  double shift = 0;
+  if (impacts > 0) CLOTH_TRY(measure_shift(sim, &shift, err));
+  if (is_rough(sim, shift)) *result = OUTCOME_ROUGH;
   return cloth_contact_totals(sim, err);
 }
 
-static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcome *result,
-                                  cloth_error *err)
+static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cutting *c,
+                                  outcome *result, cloth_error *err)
 {
   int left = 0;
-  double shift = 0;
+  sim->crowd = 0;
+  *result = OUTCOME_GOOD;
   bool touch = sim->active[CLOTH_EFFECT_self_contact];
   CLOTH_TRY(cloth_damping_set(sim, sim->h, err));
   STAGE(predict,
@@ -171,12 +223,13 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
     touch = sim->report->bodies_near > 0;
   }
-  if (touch) CLOTH_TRY(part_what_meets(sim, &left, &shift, err));
+  if (touch) CLOTH_TRY(part_what_meets(sim, c, result, &left, err));
   sim->owner = CLOTH_CORE;
   sim->impacts_left = left;
-  // the first correction is the whole answer to the prediction, not what is left of the error
-  bool rough = (sim->iteration > 0 && is_rough(sim, sim->correction)) || is_rough(sim, shift);
-  *result = left > 0 ? OUTCOME_IMPACTS : rough ? OUTCOME_ROUGH : OUTCOME_GOOD;
+  if (left > 0)
+    *result = OUTCOME_IMPACTS;
+  else if (*result == OUTCOME_GOOD && is_far_from_linear(sim))
+    *result = OUTCOME_ROUGH;
   STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
   return CLOTH_OK;
 }
@@ -268,44 +321,79 @@ static void place_teleports(cloth_sim *sim)
   }
 }
 
+static cloth_status begin_cutting(cloth_sim *sim, double h, cutting *c, cloth_error *err)
+{
+  int least;
+  CLOTH_TRY(cloth_substeps_count(sim, h, &least, err));
+  int parts = least > sim->substeps_crowded ? least : sim->substeps_crowded;
+  *c = (cutting){.share = 1.0 / parts, .left = INT_MAX};
+  while (least << (c->depth + 1) <= parts) c->depth++;
+  return CLOTH_OK;
+}
+
+// Is the substep repeated at half its length? Where something intersects already, or where half the
+// length left as many impacts, and many, bodies leave no room, and smaller steps make none.
+static bool again(const cloth_sim *sim, outcome result, cutting *c)
+{
+  c->crowd = fmax(c->crowd, sim->crowd);
+  if (result != OUTCOME_IMPACTS) return may_cut(sim, c, result);
+  bool cures = sim->impacts_left < c->left || !(sim->impacts_left > crowded(sim));
+  c->left = sim->impacts_left;
+  return sim->tangles.known_free && cures && c->halvings < IMPACT_HALVINGS &&
+         c->halvings < sim->params.step_halvings_max;
+}
+
+// Steps that follow begin as finely as this one ended: most of them are as crowded.
+static void end_cutting(cloth_sim *sim, const cutting *c)
+{
+  int parts = (int)(1 / c->share + 0.5);
+  if (c->crowd > 1)
+    sim->substeps_crowded = parts;
+  else if (c->crowd < CALM && c->halvings == 0)
+    sim->substeps_crowded = parts / 2;
+}
+
+static cloth_status stand(cloth_sim *sim, outcome result, cloth_error *err)
+{
+  cloth_step_report *report = sim->report;
+  mean_motion(sim);
+  CLOTH_TRY(accept(sim, err));
+  sim->tangles.found = false;
+  if (result == OUTCOME_IMPACTS) {
+    CLOTH_TRY(cloth_blocking_add(sim, err));
+    cloth_tangles_suspect(sim);
+  }
+  report->substeps++;
+  report->impacts_left += sim->impacts_left;
+  if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
+  report->newton_correction = fmax(report->newton_correction, sim->correction);
+  report->error_estimate = fmax(report->error_estimate, sim->error_estimate);
+  return CLOTH_OK;
+}
+
 // the whole step in substeps; a failed one is repeated at half its length
 static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
-  int halvings = 0, parts;
-  CLOTH_TRY(cloth_substeps_count(sim, h, &parts, err));
-  double done = 0, share = 1.0 / parts;
+  cutting c;
+  CLOTH_TRY(begin_cutting(sim, h, &c, err));
+  double done = 0;
   while (done < 1) {
-    double to = done + share < 1 - 1e-9 ? done + share : 1;
+    double to = done + c.share < 1 - 1e-9 ? done + c.share : 1;
     sim->h = (to - done) * h;
     sim->time_t0 = sim->time + done * h;
     CLOTH_TRY(cloth_tangles_update(sim, done, err));
-    CLOTH_TRY(cloth_advance(sim, done, to, result, err));
-    // where something intersects already, bodies leave no room, and smaller steps make none
-    const int most[] = {[OUTCOME_IMPACTS] = sim->tangles.known_free ? IMPACT_HALVINGS : 0,
-                        [OUTCOME_ROUGH] = ROUGH_HALVINGS};
-    bool again = *result != OUTCOME_GOOD && halvings < sim->params.step_halvings_max &&
-                 (*result == OUTCOME_UNSTABLE || halvings < most[*result]);
-    if (again) {
-      halvings++, sim->report->step_halvings++;
-      share /= 2;
+    CLOTH_TRY(cloth_advance(sim, done, to, &c, result, err));
+    if (again(sim, *result, &c)) {
+      c.halvings++, sim->report->step_halvings++;
+      c.share /= 2;
       sim->pairs_valid = false;
       continue;
     }
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
-    mean_motion(sim);
-    CLOTH_TRY(accept(sim, err));
-    sim->tangles.found = false;
-    if (*result == OUTCOME_IMPACTS) {
-      CLOTH_TRY(cloth_blocking_add(sim, err));
-      cloth_tangles_suspect(sim);
-    }
-    sim->report->substeps++;
-    sim->report->impacts_left += sim->impacts_left;
-    if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
-    sim->report->newton_correction = fmax(sim->report->newton_correction, sim->correction);
-    sim->report->error_estimate = fmax(sim->report->error_estimate, sim->error_estimate);
+    CLOTH_TRY(stand(sim, *result, err));
     done = to;
   }
+  end_cutting(sim, &c);
   return CLOTH_OK;
 }
 

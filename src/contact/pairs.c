@@ -276,7 +276,7 @@ cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err)
 
 cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error *err)
 {
-  CLOTH_TRY(search(sim, gap, sim->params.pair_slack / 4, err));
+  CLOTH_TRY(search(sim, gap, sim->params.pair_slack, err));
   sim->pairs_valid = true, sim->pairs_for_contacts = false;
   return CLOTH_OK;
 }

@@ -139,7 +139,7 @@ void cloth_guess_free_fall(cloth_sim *sim)
   bool falls = sim->active[CLOTH_EFFECT_gravity];
   for (int i = 0; i < 3 * sim->def->cloth_count; i++)
     sim->acceleration[i] = falls ? sim->params.gravity[i % 3] : 0;
-  sim->mean_known = false;
+  sim->mean_known = false, sim->substeps_crowded = 0;
 }
 
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err)

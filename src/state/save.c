@@ -18,8 +18,8 @@ typedef struct file_header {
   double time;
   int64_t step;
   int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, friction;
-  int32_t tangles, pad; // tangles: 1: known to be free of them, 2: settling
-  uint64_t body_bytes; // bytes after the vectors
+  int32_t tangles, substeps; // tangles: 1: known to be free of them, 2: settling
+  uint64_t body_bytes;       // bytes after the vectors
 } file_header;
 
 typedef struct file_body {
@@ -113,6 +113,7 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x,
   head.cloths = sim->def->cloth_count, head.mean_known = sim->mean_known;
   head.pins = sim->def->pin_count, head.friction = friction_count;
   head.tangles = (sim->tangles.known_free ? 1 : 0) + (sim->tangles.settling ? 2 : 0);
+  head.substeps = sim->substeps_crowded;
   put(w, &head, sizeof head);
   put(w, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
   put(w, sim->pin_broken, (size_t)sim->def->pin_count);
@@ -316,7 +317,7 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   }
   memcpy(sim->pin_broken, broken, (size_t)head.pins);
   memcpy(sim->mean_velocity, mean, means), memcpy(sim->acceleration, acceleration, means);
-  sim->mean_known = head.mean_known;
+  sim->mean_known = head.mean_known, sim->substeps_crowded = head.substeps;
   sim->time = head.time, sim->step = head.step;
   sim->pairs_valid = false;
   CLOTH_TRY(cloth_holds_refresh(sim, err));

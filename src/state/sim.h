@@ -261,6 +261,8 @@ struct cloth_sim {
   int impacts_left;      // of this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
+  double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
+  int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;
   cloth_blocking blocking;
   cloth_springs springs; // integrator mass_spring
@@ -376,6 +378,7 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
 /// left.
 cloth_status cloth_balance(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
+int cloth_impacts_of_cloth(const cloth_sim *sim); // of cloth with cloth, of those last found
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
 // ---- parts (solve/exchange.c) -------------------------------------------------------------------

@@ -23,6 +23,7 @@ enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3 };
 
 #define ROUGH 0.15 // a last correction above this share of an edge: the system was far from linear
+#define AWAY  10   // one above so many edges, and above all that the cloth spans: it diverges
 
 static double now_ms(void)
 {
@@ -97,6 +98,22 @@ static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
   return CLOTH_OK;
 }
 
+// Has the solution left all that the cloth spans and sweeps? Then looking for impacts costs much
+// and tells nothing.
+static bool ran_away(const cloth_sim *sim)
+{
+  double x = sim->correction, span = sim->span;
+  return !(x <= sim->params.bounds) ||
+         (sim->iteration > 0 && x > AWAY * sim->mean_edge && x > span);
+}
+
+// the longest side of the box around all cloth, from the start to where it would fly
+static double span_of(const cloth_box *box)
+{
+  return fmax((double)(box->hi.x - box->lo.x),
+              fmax((double)(box->hi.y - box->lo.y), (double)(box->hi.z - box->lo.z)));
+}
+
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
 static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
@@ -108,6 +125,7 @@ static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
     sim->report->contact_rounds++;
+    if (ran_away(sim)) return CLOTH_OK;
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
   }
   STAGE(ccd, cloth_ccd_resolve(sim, left, err)); // ccd/zones.c, ccd/failsafe.c
@@ -124,6 +142,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
         cloth_predict_stage(sim, from, to, err)); // state/predict.c    x* = x + h v + h^2 g
 
   touch = touch || sim->report->bodies_near > 0;
+  sim->span = touch ? span_of(&sim->cloth_box) : sim->params.bounds;
   sim->owner = owner_of_contact(sim);
   if (touch) {
     STAGE(pairs, cloth_pairs_find(sim, err));            // contact/pairs.c    what may touch
@@ -136,6 +155,8 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
   sim->owner = CLOTH_CORE;
 
   CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
+  *result = OUTCOME_UNSTABLE;
+  if (ran_away(sim)) return CLOTH_OK;
   sim->owner = owner_of_contact(sim);
   if (!touch && sim->active[CLOTH_EFFECT_body_contact]) {
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
@@ -143,6 +164,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
   }
   if (touch) CLOTH_TRY(part_what_meets(sim, &left, err));
   sim->owner = CLOTH_CORE;
+  if (ran_away(sim)) return CLOTH_OK;
   sim->impacts_left = left;
   // the first correction is the whole answer to the prediction, not what is left of the error
   bool rough = sim->iteration > 0 && !(sim->correction <= ROUGH * sim->mean_edge);

@@ -254,6 +254,7 @@ struct cloth_sim {
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
   int impacts_left;      // of this substep
+  double span;           // m, the most that all cloth spans and sweeps in this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
   cloth_tangle_list tangles;

@@ -134,6 +134,15 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
   return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, rows + 1, &r, err);
 }
 
+// One spring for all substeps of a step: in units of mass / step^2 it must not be stiffened by a
+// cut, or contacts that are pressed together would let go of several times the energy that pressed
+// them.
+double cloth_contact_stiffness(const cloth_sim *sim)
+{
+  double share = sim->h * sim->params.substeps / sim->report->step_size;
+  return sim->params.contact_stiffness * share * share;
+}
+
 // planes and rows of the pairs in the list, which is put in order
 static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
@@ -143,7 +152,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
       p->contact, p->contact_toi, p->contact_spare, p->contact_toi_spare, err));
   cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
                                 .count = p->contact_count,
-                                .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                 .inverse_step = (cloth_real)(1 / sim->h),
                                 .contact = p->contact,
                                 .toi = p->contact_toi,
@@ -206,7 +215,7 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
                                   .state = p->friction_state,
                                   .bound = p->friction_bound,
                                   .limit = cloth_friction_limit(sim),
-                                  .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                  .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                   .force = p->contact_force,
                                   .tangent = p->contact_tangent,
                                   .pressure = p->contact_pressure};

@@ -136,6 +136,8 @@ typedef struct hash {
   int entries, units, large;
 } hash;
 
+// The capacities noted are what was asked for: a buffer that happens to be large enough is not
+// grown, so what it holds beyond the request must not be counted on.
 static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cloth_error *err)
 {
   if (entries <= p->cell_capacity) return CLOTH_OK;
@@ -144,7 +146,16 @@ static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cl
   CLOTH_TRY(cloth_grow(sim, p, "cell_triangle", 4 * entries, &p->cell_triangle, err));
   CLOTH_TRY(cloth_grow(sim, p, "cell_triangle_spare", 4 * entries, &p->cell_triangle_spare, err));
   CLOTH_TRY(cloth_grow(sim, p, "work", 4 * (entries + 1), &p->work, err));
-  p->cell_capacity = (uint32_t)(entries + entries / 2);
+  p->cell_capacity = (uint32_t)entries;
+  return CLOTH_OK;
+}
+
+static cloth_status grow_active(cloth_sim *sim, cloth_part *p, size_t active, cloth_error *err)
+{
+  if (active <= p->active_capacity) return CLOTH_OK;
+  CLOTH_TRY(cloth_grow(sim, p, "cells", 4 * (active + 1), &p->cells, err));
+  CLOTH_TRY(cloth_grow(sim, p, "large", 4 * (active + 1), &p->large, err));
+  p->active_capacity = (uint32_t)active;
   return CLOTH_OK;
 }
 
@@ -183,11 +194,7 @@ static cloth_status count_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_er
 static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
 {
   cloth_real gap = (cloth_real)(h->gap / 2);
-  if ((uint32_t)h->active >= p->active_capacity) {
-    CLOTH_TRY(cloth_grow(sim, p, "cells", 4 * ((size_t)h->active + 1), &p->cells, err));
-    CLOTH_TRY(cloth_grow(sim, p, "large", 4 * ((size_t)h->active + 1), &p->large, err));
-    p->active_capacity = (uint32_t)(h->active + h->active / 2);
-  }
+  CLOTH_TRY(grow_active(sim, p, (size_t)h->active, err));
   CLOTH_TRY(count_cells(sim, p, h, err));
   CLOTH_TRY(grow_cells(sim, p, (size_t)h->entries, err));
   cloth_cell_fill_args fill = {h->grid,         gap,      sim->triangle_count, p->body_triangle,

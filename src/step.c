@@ -266,6 +266,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
   int halvings = 0, parts;
   CLOTH_TRY(cloth_substeps_count(sim, h, &parts, err));
   double done = 0, share = 1.0 / parts;
+  sim->h_contact = h / parts;
   while (done < 1) {
     double to = done + share < 1 - 1e-9 ? done + share : 1;
     sim->h = (to - done) * h;
@@ -279,6 +280,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
                  (*result == OUTCOME_UNSTABLE || halvings < most[*result]);
     if (again) {
       halvings++, sim->report->step_halvings++;
+      if (*result == OUTCOME_IMPACTS) sim->h_contact /= 2; // stiffer springs keep apart what met
       share /= 2;
       sim->pairs_valid = false;
       continue;

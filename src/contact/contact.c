@@ -134,12 +134,12 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
   return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, rows + 1, &r, err);
 }
 
-// One spring for all substeps of a step: in units of mass / step^2 it must not be stiffened by a
-// cut, or contacts that are pressed together would let go of several times the energy that pressed
-// them.
+// In units of mass / substep^2, but a step that is halved because its solve was rough keeps its
+// springs: stiffer, contacts that are pressed together would let go of several times the energy
+// that pressed them.
 double cloth_contact_stiffness(const cloth_sim *sim)
 {
-  double share = sim->h * sim->params.substeps / sim->report->step_size;
+  double share = sim->h / sim->h_contact;
   return sim->params.contact_stiffness * share * share;
 }
 

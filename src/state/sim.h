@@ -241,6 +241,7 @@ struct cloth_sim {
   double time, time_t0;
   int64_t step;
   double h;      // s, of this substep
+  double h_contact; // s, that the stiffness of contacts is made from
   int iteration; // Newton iteration of this substep
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h

@@ -68,7 +68,7 @@ typedef struct cloth_cloth_view {
 } cloth_cloth_view;
 
 /// What a body's mesh stands for. The integrator mass_spring collides with these shapes and refuses
-/// CLOTH_SHAPE_MESH; backward_euler collides with the mesh (a plane's is taken to be unbounded).
+/// CLOTH_SHAPE_MESH; backward_euler collides with the mesh (a plane's reaches 50 m).
 typedef enum cloth_shape {
   CLOTH_SHAPE_MESH,     // nothing but itself
   CLOTH_SHAPE_BOX,      // size: edge lengths x, y, z

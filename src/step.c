@@ -38,6 +38,9 @@ enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3, CROWDED_HALVINGS = 5 };
 
 enum { FURTHER_ITERATIONS = 4 };
 
+// A correction above so many edges, and above all that the cloth spans: it diverges.
+#define AWAY 10
+
 // As many impacts of cloth with cloth as this, and zones would grind: half the step costs less and
 // stays nearer to what the solver found. A share of the vertices, and some that any cloth may have.
 #define CROWDED_SHARE 0.03
@@ -167,6 +170,22 @@ static double crowded(const cloth_sim *sim)
   return CROWDED_LEAST + CROWDED_SHARE * sim->vertex_count;
 }
 
+// Has the solution left all that the cloth spans and sweeps? Then looking for impacts costs much
+// and tells nothing.
+static bool ran_away(const cloth_sim *sim)
+{
+  double x = sim->correction, span = sim->span;
+  return !(x <= sim->params.bounds) ||
+         (sim->iteration > 0 && x > AWAY * sim->mean_edge && x > span);
+}
+
+// the longest side of the box around all cloth, from the start to where it would fly
+static double span_of(const cloth_box *box)
+{
+  return fmax((double)(box->hi.x - box->lo.x),
+              fmax((double)(box->hi.y - box->lo.y), (double)(box->hi.z - box->lo.z)));
+}
+
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
 static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *result, int *left,
@@ -179,6 +198,10 @@ static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *r
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
     sim->report->contact_rounds++;
+    if (ran_away(sim)) {
+      *result = OUTCOME_UNSTABLE;
+      return CLOTH_OK;
+    }
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
   }
   sim->crowd = cloth_impacts_of_cloth(sim) / crowded(sim);
@@ -206,6 +229,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
         cloth_predict_stage(sim, from, to, err)); // state/predict.c    x* = x + h v + h^2 g
 
   touch = touch || sim->report->bodies_near > 0;
+  sim->span = touch ? span_of(&sim->cloth_box) : sim->params.bounds;
   sim->owner = owner_of_contact(sim);
   if (touch) {
     STAGE(pairs, cloth_pairs_find(sim, err));            // contact/pairs.c    what may touch
@@ -218,6 +242,10 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
   sim->owner = CLOTH_CORE;
 
   CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
+  if (ran_away(sim)) {
+    *result = OUTCOME_UNSTABLE;
+    return CLOTH_OK;
+  }
   sim->owner = owner_of_contact(sim);
   if (!touch && sim->active[CLOTH_EFFECT_body_contact]) {
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
@@ -225,6 +253,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
   }
   if (touch) CLOTH_TRY(part_what_meets(sim, c, result, &left, err));
   sim->owner = CLOTH_CORE;
+  if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
   sim->impacts_left = left;
   if (left > 0)
     *result = OUTCOME_IMPACTS;
@@ -377,6 +406,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
   cutting c;
   CLOTH_TRY(begin_cutting(sim, h, &c, err));
   double done = 0;
+  sim->h_contact = h * c.share;
   while (done < 1) {
     double to = done + c.share < 1 - 1e-9 ? done + c.share : 1;
     sim->h = (to - done) * h;
@@ -385,6 +415,8 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     CLOTH_TRY(cloth_advance(sim, done, to, &c, result, err));
     if (again(sim, *result, &c)) {
       c.halvings++, sim->report->step_halvings++;
+      if (*result == OUTCOME_IMPACTS || *result == OUTCOME_CROWDED)
+        sim->h_contact /= 2; // stiffer springs keep apart what met
       c.share /= 2;
       sim->pairs_valid = false;
       continue;

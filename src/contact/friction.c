@@ -89,7 +89,7 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
                                    .thickness = p->contact_thickness,
                                    .k = p->contact_k,
                                    .mu = p->contact_mu,
-                                   .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                   .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                    .x_t0 = p->x_t0,
                                    .x = p->x,
                                    .limit = cloth_friction_limit(sim),

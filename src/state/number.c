@@ -93,7 +93,7 @@ static void number_triangles(cloth_sim *sim, int c, sorter *s)
   }
 }
 
-// a plane is unbounded; the square that stands for it reaches farther than cloth goes
+// a plane is a large square
 static double plane_spread(const cloth_mesh *m)
 {
   const double reach = 50; // m; larger would cost digits in float

@@ -185,7 +185,7 @@ cloth_status cloth_freeze_bodies_at(cloth_sim *sim, double share, cloth_error *e
     body->t0 = body->t1 =
         share > 0 ? cloth_pose_between(body->now, body->target, share) : body->now;
   }
-  return move_bodies(sim, err);
+  return sim->active[CLOTH_EFFECT_body_contact] ? move_bodies(sim, err) : CLOTH_OK;
 }
 
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err)

@@ -246,6 +246,7 @@ struct cloth_sim {
   double time, time_t0;
   int64_t step;
   double h;      // s, of this substep
+  double h_contact; // s, that the stiffness of contacts is made from
   int iteration; // Newton iteration of this substep
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
@@ -259,6 +260,7 @@ struct cloth_sim {
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
   int impacts_left;      // of this substep
+  double span;           // m, the most that all cloth spans and sweeps in this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
   double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)

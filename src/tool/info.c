@@ -93,7 +93,7 @@ static void print_body(const cloth_body_def *b)
   mesh_figures f = measure(&b->mesh);
   printf("body %s\n", b->name);
   if (b->plane) {
-    printf("  plane, unbounded\n");
+    printf("  plane, 50 m to each side\n");
   } else {
     printf("  %d vertices, %d triangles, %.6g m^2\n", b->mesh.vertex_count, b->mesh.triangle_count,
            f.area);

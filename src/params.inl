@@ -38,7 +38,7 @@ CLOTH_CHOICE(spring_cut, 0, "equal|last_short", "mass_spring: a step's sub-steps
 CLOTH_PARAM(double, particle_radius, 0, "m", 0, 1, "mass_spring: of the particles that collide; 0 takes 0.4 of the mean edge")
 CLOTH_CHOICE(particle_search, 0, "bins|all_pairs", "mass_spring: how particles find each other; all_pairs tests every pair in every sub-step, for comparison")
 
-CLOTH_PARAM(int, profile, 0, "1", 0, 1, "1: the times of stages are a GPU's own, which makes the host wait after each")
+CLOTH_PARAM(int, profile, 0, "1", 0, 2, "1: the times of stages are a GPU's own, which makes the host wait after each; 2: those of effects, too")
 
 // models
 CLOTH_CHOICE(bending_model, 2, "hinge|quadratic|shape", "one spring per edge; its constant matrix, the cheapest; or the curvature of each triangle, in which D is the same in every direction")

@@ -9,6 +9,7 @@
 #include "effect/effect.h"
 #include "membrane_stretch.h"
 #include "reduce_max.h"
+#include "state/flight.h"
 #include "state/state.h"
 
 #include <math.h>
@@ -282,6 +283,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
 static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  if (cloth_flies(sim)) return CLOTH_OK; // it keeps the start without copying
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_copy_local(sim, p, back ? p->x_t0 : p->x_saved, back ? p->x_saved : p->x_t0,
@@ -295,9 +297,13 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
 // the whole step by the integrator of the scene
 static cloth_status integrate(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
-  if (!cloth_is_mass_spring(sim)) return advance_all(sim, h, result, err);
-  bool good; // sub-steps below the stable limit are not halved
-  CLOTH_TRY(cloth_springs_advance(sim, h, &good, err)); // spring/advance.c
+  bool good; // flight and sub-steps below the stable limit are not halved
+  if (cloth_flies(sim))
+    CLOTH_TRY(cloth_flight_advance(sim, h, &good, err)); // state/flight.c
+  else if (cloth_is_mass_spring(sim))
+    CLOTH_TRY(cloth_springs_advance(sim, h, &good, err)); // spring/advance.c
+  else
+    return advance_all(sim, h, result, err);
   *result = good ? OUTCOME_GOOD : OUTCOME_UNSTABLE;
   return CLOTH_OK;
 }

@@ -150,7 +150,8 @@ typedef struct cloth_part {
   cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
   cloth_real *box_of_chunk;      // [chunks x 6] m
   cloth_event *ready, *sent;
-  cloth_event *stage_begin, *stage_end; // with the parameter `profile`
+  cloth_event *stage_begin, *stage_end;   // with the parameter `profile`
+  cloth_event *launch_begin, *launch_end; // with `profile` 2
 } cloth_part;
 
 /// Tables of contact/flat.c: how many tiles and nodes, and where each level's nodes begin.
@@ -233,6 +234,7 @@ struct cloth_sim {
   char why[CLOTH_EFFECTS_MAX][160];
   uint64_t effect_bytes[CLOTH_EFFECTS_MAX];
   int64_t effect_launches[CLOTH_EFFECTS_MAX];
+  double effect_ms[CLOTH_EFFECTS_MAX];
   int64_t launches, allocations, growths;
   uint64_t bytes;
   int owner; // of launches and allocations that happen now
@@ -390,6 +392,9 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
+/// f [N] that the hold exerts at x [m] adds to its wrench about its frame.
+void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],
+                          const double f[3]);
 cloth_pose cloth_hold_frame(const cloth_sim *sim, const cloth_hold_state *h, double share);
 void cloth_holds_place(const cloth_sim *sim, double share, cloth_real *aim); // [held_count x 3] m
 cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_error *err);

@@ -84,6 +84,7 @@ typedef struct cloth_part {
   cloth_real *drag_coefficient, *drag_force, *drag_tangent;
   cloth_real *bend_stiffness, *bend_rest, *bend_damping, *bend_force, *bend_gradient, *bend_weight;
   cloth_real *membrane_measured; // [cloths x 24] N/m, or NULL: no measured fabric
+  cloth_real *membrane_limit;    // [cloths x 2] 1, N/m, or NULL: no strain limit
   cloth_real *bend_direction, *bend_measured; // [bend.count x 6], [cloths x 15] N m, or NULL
   int *bend_material;                         // [bend.count], or NULL
   cloth_real *bend_constant; // [bend.count x 4] of quadratic bending, else NULL

@@ -12,6 +12,7 @@
 // motion
 CLOTH_KERNEL(body_vertex, 1024)
 CLOTH_KERNEL(predict, 2048)
+CLOTH_KERNEL(bdf2_start, 2048)
 CLOTH_KERNEL(hold, 1024)
 CLOTH_KERNEL(hold_jump, 1024)
 CLOTH_KERNEL(hold_pull, 1024)

@@ -9,6 +9,7 @@
 #include "effect/effect.h"
 #include "membrane_stretch.h"
 #include "reduce_max.h"
+#include "state/bdf2.h"
 #include "state/flight.h"
 #include "state/state.h"
 
@@ -16,7 +17,14 @@
 #include <string.h>
 #include <time.h>
 
-typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_ROUGH, OUTCOME_UNSTABLE } outcome;
+// TOUCHES: no substep of order 2, because contact acts; again with backward Euler
+typedef enum outcome {
+  OUTCOME_GOOD,
+  OUTCOME_IMPACTS,
+  OUTCOME_ROUGH,
+  OUTCOME_TOUCHES,
+  OUTCOME_UNSTABLE
+} outcome;
 
 enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 
@@ -100,11 +108,13 @@ static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
 
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
-static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
+static cloth_status part_what_meets(cloth_sim *sim, int *left, bool *met, cloth_error *err)
 {
   int impacts, n = sim->params.newton_iterations_max;
   if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
   STAGE(ccd, cloth_ccd_detect(sim, &impacts, err)); // ccd/ccd.c
+  *met = impacts > 0;
+  if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
@@ -119,8 +129,9 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
                                   cloth_error *err)
 {
   int left = 0;
-  bool touch = sim->active[CLOTH_EFFECT_self_contact];
-  CLOTH_TRY(cloth_damping_set(sim, sim->h, err));
+  bool touch = sim->active[CLOTH_EFFECT_self_contact], met = false;
+  CLOTH_TRY(cloth_bdf2_begin(sim, err)); // state/bdf2.c       of order 2, or backward Euler
+  CLOTH_TRY(cloth_damping_set(sim, sim->gamma, err));
   STAGE(predict,
         cloth_predict_stage(sim, from, to, err)); // state/predict.c    x* = x + h v + h^2 g
 
@@ -135,6 +146,8 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
     sim->pairs_valid = false;
   }
   sim->owner = CLOTH_CORE;
+  *result = OUTCOME_TOUCHES;
+  if (sim->bdf2.used && cloth_bdf2_touches(sim)) return CLOTH_OK;
 
   CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
   sim->owner = owner_of_contact(sim);
@@ -142,8 +155,10 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
     touch = sim->report->bodies_near > 0;
   }
-  if (touch) CLOTH_TRY(part_what_meets(sim, &left, err));
+  if (touch) CLOTH_TRY(part_what_meets(sim, &left, &met, err));
   sim->owner = CLOTH_CORE;
+  if (sim->bdf2.used && met) return CLOTH_OK;
+  sim->smooth = !met && !cloth_bdf2_touches(sim);
   sim->impacts_left = left;
   // the first correction is the whole answer to the prediction, not what is left of the error
   bool rough = sim->iteration > 0 && !(sim->correction <= ROUGH * sim->mean_edge);
@@ -157,9 +172,10 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_commit_chunk_args a = {0,    sim->vertex_count, p->x_t0,
-                                 p->x, p->mass,           (cloth_real)(1 / sim->h),
-                                 p->v, p->v_next,         p->commit};
+    const cloth_real *v = sim->bdf2.used ? p->v_next : p->v; // expected: where the change starts
+    cloth_commit_chunk_args a = {0,    sim->vertex_count, cloth_step_from(sim, p),
+                                 p->x, p->mass,           (cloth_real)(1 / sim->gamma),
+                                 v,    p->v_next,         p->commit};
     CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
   }
   size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
@@ -179,7 +195,8 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
   sim->report->speed_max = sim->speed_last = speed;
   sim->report->energy_kinetic = energy;
   // the leading error of backward Euler is h^2 / 2 times the acceleration (Hairer and Wanner 1996)
-  sim->error_estimate = sim->h * change / 2;
+  // and that of BDF2 2/9 h^3 times its derivative
+  sim->error_estimate = sim->h * change * (sim->bdf2.used ? 2.0 / 9 : 0.5);
   return CLOTH_OK;
 }
 
@@ -209,6 +226,7 @@ static cloth_status accept(cloth_sim *sim, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
   CLOTH_TRY(cloth_friction_finish(sim, err));
+  CLOTH_TRY(cloth_bdf2_keep(sim, sim->smooth, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_copy_local(sim, p, p->x_t0, p->x, bytes, err));
@@ -233,7 +251,7 @@ static void place_teleports(cloth_sim *sim)
     for (int k = 0; k < 4; k++) dot += body->now.rotation[k] * body->target.rotation[k];
     if (sqrt(d_sq) <= sim->params.teleport_distance && fabs(dot) >= quarter * (1 - 1e-9)) continue;
     body->now = body->target;
-    sim->pairs_valid = false;
+    sim->pairs_valid = sim->bdf2.known = false;
     sim->report->teleports++;
     cloth_body_settle(sim);
   }
@@ -251,6 +269,10 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     sim->time_t0 = sim->time + done * h;
     CLOTH_TRY(cloth_tangles_update(sim, done, err));
     CLOTH_TRY(cloth_advance(sim, done, to, result, err));
+    if (*result == OUTCOME_TOUCHES) {
+      sim->pairs_valid = sim->bdf2.known = false;
+      continue;
+    }
     // where something intersects already, bodies leave no room, and smaller steps make none
     const int most[] = {[OUTCOME_IMPACTS] = sim->tangles.known_free ? IMPACT_HALVINGS : 0,
                         [OUTCOME_ROUGH] = ROUGH_HALVINGS};
@@ -259,7 +281,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     if (again) {
       halvings++, sim->report->step_halvings++;
       share /= 2;
-      sim->pairs_valid = false;
+      sim->pairs_valid = sim->bdf2.known = false;
       continue;
     }
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
@@ -291,6 +313,7 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
     CLOTH_TRY(
         cloth_copy_local(sim, p, back ? p->v : p->v_saved, back ? p->v_saved : p->v, bytes, err));
   }
+  CLOTH_TRY(cloth_bdf2_save(sim, back, err));
   return cloth_friction_save(sim, back, err);
 }
 
@@ -386,8 +409,8 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   CLOTH_TRY(save_start(sim, false, err));
   CLOTH_TRY(integrate(sim, h, &result, err));
   if (result == OUTCOME_UNSTABLE) {
-    CLOTH_TRY(save_start(sim, true, err));
     cloth_guess_free_fall(sim);
+    CLOTH_TRY(save_start(sim, true, err));
     cloth_tangles_suspect(sim);
     for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
     for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;

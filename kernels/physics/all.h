@@ -2,6 +2,7 @@
 #pragma once
 
 #include "assemble_row.h"
+#include "bdf2_start.h"
 #include "bend.h"
 #include "bend_quadratic.h"
 #include "bend_shape.h"

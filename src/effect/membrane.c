@@ -133,17 +133,10 @@ static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
 
 static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  cloth_membrane_args a = {p->membrane.vertex,
-                           p->membrane_rest,
-                           p->membrane_material,
-                           p->membrane_stiffness,
-                           p->membrane_measured,
-                           p->membrane_limit,
-                           p->membrane_damping,
-                           p->x,
-                           p->x_t0,
-                           p->membrane_force,
-                           p->membrane_tangent};
+  cloth_membrane_args a = {
+      p->membrane.vertex,      p->membrane_rest,  p->membrane_material, p->membrane_stiffness,
+      p->membrane_measured,    p->membrane_limit, p->membrane_damping,  p->x,
+      cloth_step_from(sim, p), p->membrane_force, p->membrane_tangent};
   return cloth_launch(sim, p, CLOTH_KERNEL_membrane, p->membrane.count, &a, err);
 }
 

@@ -9,6 +9,7 @@
 #include "impact_find.h"
 #include "pcg.h"
 #include "solve/hats.h"
+#include "state/bdf2.h"
 #include "state/flight.h"
 
 #include <math.h>
@@ -189,6 +190,7 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   if (coarser && sim->params.preconditioner == CLOTH_MULTILEVEL)
     CLOTH_TRY(cloth_hats_build(sim, p, err));
   CLOTH_TRY(take_solve(sim, p, err));
+  CLOTH_TRY(cloth_bdf2_take(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;

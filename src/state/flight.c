@@ -12,7 +12,7 @@ bool cloth_flies(const cloth_sim *sim)
 {
   for (int e = 0; e < CLOTH_EFFECT_COUNT; e++)
     if (sim->active[e] && e != CLOTH_EFFECT_gravity && e != CLOTH_EFFECT_pins) return false;
-  return !cloth_is_mass_spring(sim);
+  return sim->params.integrator == CLOTH_BACKWARD_EULER;
 }
 
 cloth_status cloth_flight_take(cloth_sim *sim, cloth_part *p, cloth_error *err)

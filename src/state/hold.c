@@ -88,6 +88,7 @@ cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err)
   sim->held_count = sim->compliant_count = 0;
   cloth_tangles_suspect(sim); // what a gripper held may reach into its fingers
   sim->springs.holds_known = false;
+  sim->bdf2.known = false;
   for (int h = 0; h < sim->hold_count; h++) {
     cloth_hold_state *hold = &sim->hold[h];
     if (!hold->alive) continue;

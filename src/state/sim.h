@@ -67,6 +67,10 @@ typedef struct cloth_part {
   int *body_of;              // [all - n]
   cloth_real *body_friction; // [bodies]
 
+  // integrator bdf2: the substep before, the same at the start of the step; where a substep starts
+  cloth_real *x_last, *v_last, *x_last_saved, *v_last_saved; // [n x 3] m, m/s
+  cloth_real *x_from, *v_from;                               // [n x 3] m, m/s
+
   // holds: pins and grasps; allocated when there is one
   cloth_real *target;         // [n x 3] m
   cloth_real *hold_stiffness; // [n] N/m, or NULL while no hold is compliant
@@ -161,6 +165,14 @@ typedef struct cloth_flat {
   int level_first[CLOTH_FLAT_LEVELS + 1];
 } cloth_flat;
 
+/// Integrator bdf2 (state/bdf2.h).
+enum { CLOTH_BACKWARD_EULER = 0, CLOTH_BDF2 = 2 }; // a choice of the parameter `integrator`
+typedef struct cloth_bdf2 {
+  bool known, known_saved; // x_last, v_last are those of a substep that this one may build on
+  bool used;               // this substep is of order 2
+  double h_last, h_saved;  // s
+} cloth_bdf2;
+
 /// A rigid body, on the host.
 typedef struct cloth_body {
   cloth_pose now, target;   // after the last step; at the end of this one
@@ -244,6 +256,8 @@ struct cloth_sim {
   double time, time_t0;
   int64_t step;
   double h;      // s, of this substep
+  double gamma;  // s, length of the backward Euler step that it is: h, but for bdf2
+  cloth_bdf2 bdf2;
   int iteration; // Newton iteration of this substep
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
@@ -257,6 +271,7 @@ struct cloth_sim {
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
   int impacts_left;      // of this substep
+  bool smooth;           // nothing touched in this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
   cloth_tangle_list tangles;
@@ -298,6 +313,16 @@ cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int 
 static inline bool cloth_is_mass_spring(const cloth_sim *sim)
 {
   return sim->params.integrator == CLOTH_MASS_SPRING;
+}
+
+/// Positions and velocities [n x 3] that the implicit step of this substep starts from.
+static inline const cloth_real *cloth_step_from(const cloth_sim *sim, const cloth_part *p)
+{
+  return sim->bdf2.used ? p->x_from : p->x_t0;
+}
+static inline const cloth_real *cloth_step_velocity(const cloth_sim *sim, const cloth_part *p)
+{
+  return sim->bdf2.used ? p->v_from : p->v;
 }
 
 /// Host staging of at least this many cloth_real.

@@ -10,6 +10,8 @@
 #include "membrane_stretch.h"
 #include "reduce_max.h"
 #include "shift_chunk.h"
+#include "state/bdf2.h"
+#include "state/flight.h"
 #include "state/state.h"
 
 #include <limits.h>
@@ -17,11 +19,13 @@
 #include <string.h>
 #include <time.h>
 
+// TOUCHES: no substep of order 2, because contact acts; again with backward Euler
 typedef enum outcome {
   OUTCOME_GOOD,
   OUTCOME_IMPACTS,
   OUTCOME_ROUGH,
   OUTCOME_CROWDED,
+  OUTCOME_TOUCHES,
   OUTCOME_UNSTABLE
 } outcome;
 
@@ -189,11 +193,13 @@ static double span_of(const cloth_box *box)
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
 static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *result, int *left,
-                                    cloth_error *err)
+                                    bool *met, cloth_error *err)
 {
   int impacts, n = sim->params.newton_iterations_max;
   if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
   STAGE(ccd, cloth_ccd_detect(sim, &impacts, err)); // ccd/ccd.c
+  *met = impacts > 0;
+  if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
@@ -223,8 +229,9 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
   int left = 0;
   sim->crowd = 0;
   *result = OUTCOME_GOOD;
-  bool touch = sim->active[CLOTH_EFFECT_self_contact];
-  CLOTH_TRY(cloth_damping_set(sim, sim->h, err));
+  bool touch = sim->active[CLOTH_EFFECT_self_contact], met = false;
+  CLOTH_TRY(cloth_bdf2_begin(sim, err)); // state/bdf2.c       of order 2, or backward Euler
+  CLOTH_TRY(cloth_damping_set(sim, sim->gamma, err));
   STAGE(predict,
         cloth_predict_stage(sim, from, to, err)); // state/predict.c    x* = x + h v + h^2 g
 
@@ -240,6 +247,10 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
     sim->pairs_valid = false;
   }
   sim->owner = CLOTH_CORE;
+  if (sim->bdf2.used && cloth_bdf2_touches(sim)) {
+    *result = OUTCOME_TOUCHES;
+    return CLOTH_OK;
+  }
 
   CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
   if (ran_away(sim)) {
@@ -251,9 +262,11 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
     touch = sim->report->bodies_near > 0;
   }
-  if (touch) CLOTH_TRY(part_what_meets(sim, c, result, &left, err));
+  if (touch) CLOTH_TRY(part_what_meets(sim, c, result, &left, &met, err));
   sim->owner = CLOTH_CORE;
-  if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
+  if (sim->bdf2.used && met) *result = OUTCOME_TOUCHES;
+  if (*result == OUTCOME_UNSTABLE || *result == OUTCOME_TOUCHES) return CLOTH_OK;
+  sim->smooth = !met && !cloth_bdf2_touches(sim);
   sim->impacts_left = left;
   if (left > 0)
     *result = OUTCOME_IMPACTS;
@@ -268,9 +281,10 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_commit_chunk_args a = {0,    sim->vertex_count, p->x_t0,
-                                 p->x, p->mass,           (cloth_real)(1 / sim->h),
-                                 p->v, p->v_next,         p->commit};
+    const cloth_real *v = sim->bdf2.used ? p->v_next : p->v; // expected: where the change starts
+    cloth_commit_chunk_args a = {0,    sim->vertex_count, cloth_step_from(sim, p),
+                                 p->x, p->mass,           (cloth_real)(1 / sim->gamma),
+                                 v,    p->v_next,         p->commit};
     CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
   }
   size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
@@ -290,7 +304,8 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
   sim->report->speed_max = sim->speed_last = speed;
   sim->report->energy_kinetic = energy;
   // the leading error of backward Euler is h^2 / 2 times the acceleration (Hairer and Wanner 1996)
-  sim->error_estimate = sim->h * change / 2;
+  // and that of BDF2 2/9 h^3 times its derivative
+  sim->error_estimate = sim->h * change * (sim->bdf2.used ? 2.0 / 9 : 0.5);
   return CLOTH_OK;
 }
 
@@ -320,6 +335,7 @@ static cloth_status accept(cloth_sim *sim, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
   CLOTH_TRY(cloth_friction_finish(sim, err));
+  CLOTH_TRY(cloth_bdf2_keep(sim, sim->smooth, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_copy_local(sim, p, p->x_t0, p->x, bytes, err));
@@ -344,7 +360,7 @@ static void place_teleports(cloth_sim *sim)
     for (int k = 0; k < 4; k++) dot += body->now.rotation[k] * body->target.rotation[k];
     if (sqrt(d_sq) <= sim->params.teleport_distance && fabs(dot) >= quarter * (1 - 1e-9)) continue;
     body->now = body->target;
-    sim->pairs_valid = false;
+    sim->pairs_valid = sim->bdf2.known = false;
     sim->report->teleports++;
     cloth_body_settle(sim);
   }
@@ -413,12 +429,16 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     sim->time_t0 = sim->time + done * h;
     CLOTH_TRY(cloth_tangles_update(sim, done, err));
     CLOTH_TRY(cloth_advance(sim, done, to, &c, result, err));
+    if (*result == OUTCOME_TOUCHES) {
+      sim->pairs_valid = sim->bdf2.known = false;
+      continue;
+    }
     if (again(sim, *result, &c)) {
       c.halvings++, sim->report->step_halvings++;
       if (*result == OUTCOME_IMPACTS || *result == OUTCOME_CROWDED)
         sim->h_contact /= 2; // stiffer springs keep apart what met
       c.share /= 2;
-      sim->pairs_valid = false;
+      sim->pairs_valid = sim->bdf2.known = false;
       continue;
     }
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
@@ -432,6 +452,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
 static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  if (cloth_flies(sim)) return CLOTH_OK; // it keeps the start without copying
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_copy_local(sim, p, back ? p->x_t0 : p->x_saved, back ? p->x_saved : p->x_t0,
@@ -439,15 +460,20 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
     CLOTH_TRY(
         cloth_copy_local(sim, p, back ? p->v : p->v_saved, back ? p->v_saved : p->v, bytes, err));
   }
+  CLOTH_TRY(cloth_bdf2_save(sim, back, err));
   return cloth_friction_save(sim, back, err);
 }
 
 // the whole step by the integrator of the scene
 static cloth_status integrate(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
-  if (!cloth_is_mass_spring(sim)) return advance_all(sim, h, result, err);
-  bool good; // sub-steps below the stable limit are not halved
-  CLOTH_TRY(cloth_springs_advance(sim, h, &good, err)); // spring/advance.c
+  bool good; // flight and sub-steps below the stable limit are not halved
+  if (cloth_flies(sim))
+    CLOTH_TRY(cloth_flight_advance(sim, h, &good, err)); // state/flight.c
+  else if (cloth_is_mass_spring(sim))
+    CLOTH_TRY(cloth_springs_advance(sim, h, &good, err)); // spring/advance.c
+  else
+    return advance_all(sim, h, result, err);
   *result = good ? OUTCOME_GOOD : OUTCOME_UNSTABLE;
   return CLOTH_OK;
 }
@@ -530,8 +556,8 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   CLOTH_TRY(save_start(sim, false, err));
   CLOTH_TRY(integrate(sim, h, &result, err));
   if (result == OUTCOME_UNSTABLE) {
-    CLOTH_TRY(save_start(sim, true, err));
     cloth_guess_free_fall(sim);
+    CLOTH_TRY(save_start(sim, true, err));
     cloth_tangles_suspect(sim);
     for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
     for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;

@@ -9,6 +9,8 @@
 #include "impact_find.h"
 #include "pcg.h"
 #include "solve/hats.h"
+#include "state/bdf2.h"
+#include "state/flight.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,6 +43,8 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
     CLOTH_TRY(sim->backend->event_new(part->device, &part->sent, err));
     CLOTH_TRY(sim->backend->event_new(part->device, &part->stage_begin, err));
     CLOTH_TRY(sim->backend->event_new(part->device, &part->stage_end, err));
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_begin, err));
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_end, err));
   }
   return CLOTH_OK;
 }
@@ -55,7 +59,8 @@ static cloth_status take_reals(cloth_sim *sim, cloth_part *p, const char *name, 
 
 static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  int n = sim->vertex_count, all = cloth_is_mass_spring(sim) ? n : sim->all_vertices;
+  bool alone = cloth_is_mass_spring(sim) || cloth_flies(sim); // vertices of bodies have no use
+  int n = sim->vertex_count, all = alone ? n : sim->all_vertices;
   CLOTH_TRY(take_reals(sim, p, "x_t0", all, 3, &p->x_t0, err));
   CLOTH_TRY(take_reals(sim, p, "x", all, 3, &p->x, err));
   CLOTH_TRY(take_reals(sim, p, "v", n, 3, &p->v, err));
@@ -177,6 +182,7 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->all_vertices + 16, err));
   CLOTH_TRY(take_vertices(sim, p, err));
   if (cloth_is_mass_spring(sim)) return cloth_springs_upload(sim, p, err);
+  if (cloth_flies(sim)) return cloth_flight_take(sim, p, err);
   // worth it when there is something stiff to solve and more than a patch of it
   bool coarser = sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
   bool two = coarser && sim->params.preconditioner == CLOTH_TWO_LEVEL;
@@ -187,6 +193,7 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   if (coarser && sim->params.preconditioner == CLOTH_MULTILEVEL)
     CLOTH_TRY(cloth_hats_build(sim, p, err));
   CLOTH_TRY(take_solve(sim, p, err));
+  CLOTH_TRY(cloth_bdf2_take(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
@@ -214,6 +221,8 @@ void cloth_sim_free(void *data)
     sim->backend->event_free(part->sent);
     sim->backend->event_free(part->stage_begin);
     sim->backend->event_free(part->stage_end);
+    sim->backend->event_free(part->launch_begin);
+    sim->backend->event_free(part->launch_end);
   }
   for (int p = 0; p < sim->part_count; p++) sim->backend->close(sim->part[p].device);
   for (int h = 0; h < sim->hold_capacity; h++) {

@@ -67,6 +67,10 @@ typedef struct cloth_part {
   int *body_of;              // [all - n]
   cloth_real *body_friction; // [bodies]
 
+  // integrator bdf2: the substep before, the same at the start of the step; where a substep starts
+  cloth_real *x_last, *v_last, *x_last_saved, *v_last_saved; // [n x 3] m, m/s
+  cloth_real *x_from, *v_from;                               // [n x 3] m, m/s
+
   // holds: pins and grasps; allocated when there is one
   cloth_real *target;         // [n x 3] m
   cloth_real *hold_stiffness; // [n] N/m, or NULL while no hold is compliant
@@ -84,6 +88,7 @@ typedef struct cloth_part {
   cloth_real *drag_coefficient, *drag_force, *drag_tangent;
   cloth_real *bend_stiffness, *bend_rest, *bend_damping, *bend_force, *bend_gradient, *bend_weight;
   cloth_real *membrane_measured;              // [cloths x 24] N/m, or NULL: no measured fabric
+  cloth_real *membrane_limit;                 // [cloths x 2] 1, N/m, or NULL: no strain limit
   cloth_real *bend_direction, *bend_measured; // [bend.count x 6], [cloths x 15] N m, or NULL
   int *bend_material;                         // [bend.count], or NULL
   cloth_real *bend_constant;                  // [bend.count x 4] of quadratic bending, else NULL
@@ -153,7 +158,8 @@ typedef struct cloth_part {
   cloth_real *balance;                          // [3] m, solve/balance.c
   cloth_real *box_of_chunk;                     // [chunks x 6] m
   cloth_event *ready, *sent;
-  cloth_event *stage_begin, *stage_end; // with the parameter `profile`
+  cloth_event *stage_begin, *stage_end;   // with the parameter `profile`
+  cloth_event *launch_begin, *launch_end; // with `profile` 2
 } cloth_part;
 
 /// Tables of contact/flat.c: how many tiles and nodes, and where each level's nodes begin.
@@ -161,6 +167,14 @@ typedef struct cloth_flat {
   int tiles, nodes; // 0: nothing is culled
   int level_first[CLOTH_FLAT_LEVELS + 1];
 } cloth_flat;
+
+/// Integrator bdf2 (state/bdf2.h).
+enum { CLOTH_BACKWARD_EULER = 0, CLOTH_BDF2 = 2 }; // a choice of the parameter `integrator`
+typedef struct cloth_bdf2 {
+  bool known, known_saved; // x_last, v_last are those of a substep that this one may build on
+  bool used;               // this substep is of order 2
+  double h_last, h_saved;  // s
+} cloth_bdf2;
 
 /// A rigid body, on the host.
 typedef struct cloth_body {
@@ -238,6 +252,7 @@ struct cloth_sim {
   char why[CLOTH_EFFECTS_MAX][160];
   uint64_t effect_bytes[CLOTH_EFFECTS_MAX];
   int64_t effect_launches[CLOTH_EFFECTS_MAX];
+  double effect_ms[CLOTH_EFFECTS_MAX];
   int64_t launches, allocations, growths;
   uint64_t bytes;
   int owner; // of launches and allocations that happen now
@@ -245,8 +260,10 @@ struct cloth_sim {
   // time
   double time, time_t0;
   int64_t step;
-  double h;      // s, of this substep
+  double h;         // s, of this substep
   double h_contact; // s, that the stiffness of contacts is made from
+  double gamma;     // s, length of the backward Euler step that it is: h, but for bdf2
+  cloth_bdf2 bdf2;
   int iteration; // Newton iteration of this substep
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
@@ -261,6 +278,7 @@ struct cloth_sim {
   cloth_zones zones;
   int impacts_left;      // of this substep
   double span;           // m, the most that all cloth spans and sweeps in this substep
+  bool smooth;           // nothing touched in this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
   double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
@@ -304,6 +322,16 @@ cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int 
 static inline bool cloth_is_mass_spring(const cloth_sim *sim)
 {
   return sim->params.integrator == CLOTH_MASS_SPRING;
+}
+
+/// Positions and velocities [n x 3] that the implicit step of this substep starts from.
+static inline const cloth_real *cloth_step_from(const cloth_sim *sim, const cloth_part *p)
+{
+  return sim->bdf2.used ? p->x_from : p->x_t0;
+}
+static inline const cloth_real *cloth_step_velocity(const cloth_sim *sim, const cloth_part *p)
+{
+  return sim->bdf2.used ? p->v_from : p->v;
 }
 
 /// Host staging of at least this many cloth_real.
@@ -404,6 +432,9 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
+/// f [N] that the hold exerts at x [m] adds to its wrench about its frame.
+void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],
+                          const double f[3]);
 cloth_pose cloth_hold_frame(const cloth_sim *sim, const cloth_hold_state *h, double share);
 void cloth_holds_place(const cloth_sim *sim, double share, cloth_real *aim); // [held_count x 3] m
 cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_error *err);

@@ -141,6 +141,49 @@ static int strip(const char *precision)
 }
 BOTH(hanging_strip_extends_by_rho_g_L_squared_over_2_E, strip)
 
+// the principal stretch, minus 1, at which a strip of E = 20 N/m with a limit carries `tension`
+// [N/m]
+static double limited_stretch(double tension, double limit)
+{
+  double low = 0, high = 3, ramp = 0.01, most = limit + limit * limit / 2;
+  for (int i = 0; i < 60; i++) {
+    double e = (low + high) / 2, p = e + e * e / 2, over = p - most;
+    double more = over > ramp ? over - ramp / 2 : over > 0 ? over * over / (2 * ramp) : 0;
+    if ((1 + e) * (20 * p + 100 * 20 * more) > tension)
+      high = e;
+    else
+      low = e;
+  }
+  return low;
+}
+
+static int limited(const char *precision)
+{
+  for (int i = 0; i < 3; i++) { // without a limit, with one, with one that is not reached
+    double limit = i == 0 ? 0 : i == 1 ? 0.2 : 2;
+    sheet_make(&cloth, 1, 0.1, 31, 4);
+    cloth_material m = cloth_material_default();
+    m.stretch_warp = m.stretch_weft = 20, m.shear = 10, m.poisson = 0, m.damping_mass = 10;
+    m.density = 2, m.strain_limit = limit;
+    cloth_def *def = def_new(precision);
+    def_set(def, "pcg_tolerance", "1e-5"), def_set(def, "effects.self_contact", "off");
+    def_cloth(def, "strip", &cloth, m, pose_turned(0, 0, 0, 1, acos(-1) / 2));
+    cloth_scene *scene = scene_new(def);
+    int held[4] = {0, 31, 62, 93};
+    scene_hold(scene, 0, held, 4, cloth_pose_identity());
+    cloth_step_report r = scene_step(scene, 400);
+    CHECK(r.speed_max < 1e-3 && r.pcg_unconverged == 0);
+    // half a triangle of the uppermost row hangs on itself
+    double least = limited_stretch(m.density * G * (1 - 0.67 / 30), limit > 0 ? limit : 9);
+    double most = limited_stretch(m.density * G * (1 - 0.33 / 30), limit > 0 ? limit : 9);
+    CHECK(r.stretch_max > least - 0.002 && r.stretch_max < most + 0.002);
+    CHECK(i == 1 ? r.stretch_max < 0.2 + 0.02 : r.stretch_max > 0.5);
+    cloth_scene_free(scene);
+  }
+  return 0;
+}
+BOTH(a_strain_limit_holds_a_heavy_strip_of_a_soft_fabric, limited)
+
 // ---- slope --------------------------------------------------------------------------------------
 
 // A plate in z = 0 of nx by ny squares, whose inner vertices stand up to a quarter square aside.
@@ -434,6 +477,7 @@ int main(int argc, char **argv)
   RUN(free_fall_is_that_of_backward_euler_exactly);
   RUN(pendulum_has_the_period_and_decay_of_backward_euler);
   RUN(hanging_strip_extends_by_rho_g_L_squared_over_2_E);
+  RUN(a_strain_limit_holds_a_heavy_strip_of_a_soft_fabric);
   RUN(cloth_stays_on_a_slope_when_mu_exceeds_its_tangent);
   RUN(cloth_slides_down_a_slope_with_g_sin_minus_mu_cos);
   RUN(the_seam_between_two_triangles_of_a_plane_is_no_wall);

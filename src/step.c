@@ -377,12 +377,13 @@ static cloth_status begin_cutting(cloth_sim *sim, double h, cutting *c, cloth_er
 }
 
 // Is the substep repeated at half its length? Where something intersects already, or where half the
-// length left as many impacts, and many, bodies leave no room, and smaller steps make none.
+// length left more than half of the impacts, and many, bodies leave no room, and smaller steps make
+// none.
 static bool again(const cloth_sim *sim, outcome result, cutting *c)
 {
   c->crowd = fmax(c->crowd, sim->crowd);
   if (result != OUTCOME_IMPACTS) return may_cut(sim, c, result);
-  bool cures = sim->impacts_left < c->left || !(sim->impacts_left > crowded(sim));
+  bool cures = sim->impacts_left <= c->left / 2 || !(sim->impacts_left > crowded(sim));
   c->left = sim->impacts_left;
   return sim->tangles.known_free && cures && c->halvings < IMPACT_HALVINGS &&
          c->halvings < sim->params.step_halvings_max;

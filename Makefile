@@ -12,7 +12,7 @@ CMAKE_OPTIONS ?=
 GENERATOR := $(if $(wildcard $(BUILD)/CMakeCache.txt),,$(if $(shell command -v ninja),-G Ninja))
 SANITIZE_GENERATOR := $(if $(wildcard $(BUILD)/sanitize/CMakeCache.txt),,$(if $(shell command -v ninja),-G Ninja))
 
-.PHONY: help demo picture test test-gpu bench validate accuracy install-packages build build-tests build-sanitize clean
+.PHONY: help demo picture test test-gpu bench validate accuracy stability effects install-packages build build-tests build-sanitize clean
 
 help:             ## this list
 	@grep -hE '^[a-z-]+: .*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):[^#]*## /  make \1\t/' | expand -t 26
@@ -39,6 +39,13 @@ validate: build   ## hold the engine against known answers; rewrites doc/validat
 accuracy: build   ## what accuracy costs: sweeps config/accuracy, CSV, plots and lists to $(BUILD)/accuracy; goes on where it was
 	$(BUILD)/cloth accuracy config/accuracy/*.yaml --threads 1 --out $(BUILD)/accuracy --cost cpu $(ACCURACY)
 	$(PYTHON) src/tool/plot_accuracy.py $(BUILD)/accuracy/accuracy.csv --cost cpu
+
+stability: build  ## hard cases and 1,000 random scenes; goes on where it was; rewrites the tables of doc/stability.md
+	OMP_NUM_THREADS=1 $(PYTHON) test/stability/run.py $(BUILD)/cloth --out $(BUILD)/stability --jobs $(JOBS) --seeds 1000 \
+	  --doc doc/stability.md $(STABILITY)
+
+effects: build    ## the price of each effect, with it and without it; rewrites doc/effects.md
+	$(PYTHON) test/bench/effects.py $(BUILD) $(EFFECTS)
 
 install-packages: ## install the Debian packages that are missing (root or sudo)
 	src/demo/install_packages.sh

@@ -12,12 +12,19 @@
 // motion
 CLOTH_KERNEL(body_vertex, 1024)
 CLOTH_KERNEL(predict, 2048)
+CLOTH_KERNEL(bdf2_start, 2048)
 CLOTH_KERNEL(hold, 1024)
 CLOTH_KERNEL(hold_jump, 1024)
 CLOTH_KERNEL(hold_measure, 1024)
+CLOTH_KERNEL(hold_pull, 1024)
+CLOTH_KERNEL(fly_chunk, 128)
 CLOTH_KERNEL(correct, 64)
 CLOTH_KERNEL(motion_chunk, 64)
 CLOTH_KERNEL(commit_chunk, 64)
+CLOTH_KERNEL(shift_chunk, 64)
+CLOTH_KERNEL(balance_chunk, 64)
+CLOTH_KERNEL(balance_mean, 64)
+CLOTH_KERNEL(balance_shift, 4096)
 
 // effects
 CLOTH_KERNEL(membrane, 64)

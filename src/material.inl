@@ -8,6 +8,7 @@ CLOTH_MATERIAL(stretch_warp, 2000, "N/m", 0, 1e7, "membrane stiffness E h along 
 CLOTH_MATERIAL(stretch_weft, 2000, "N/m", 0, 1e7, "membrane stiffness E h along the weft")
 CLOTH_MATERIAL(shear, 400, "N/m", 0, 1e7, "membrane shear stiffness G h")
 CLOTH_MATERIAL(poisson, 0.25, "1", 0, 0.99, "contraction in the weft when stretched in the warp; nu^2 E_weft < E_warp")
+CLOTH_MATERIAL(strain_limit, 0, "1", 0, 10, "principal stretch minus 1 beyond which the fabric stiffens hundredfold; 0: none")
 CLOTH_MATERIAL(bend_warp, 5e-5, "N m", 0, 1e3, "bending rigidity D when the warp is curved")
 CLOTH_MATERIAL(bend_weft, 5e-5, "N m", 0, 1e3, "bending rigidity D when the weft is curved")
 CLOTH_MATERIAL(damping_stretch, 2e-3, "s", 0, 10, "membrane damping: viscous stress over elastic stiffness")

@@ -25,20 +25,20 @@ CLOTH_PARAM(double, body_motion_max, 8e-3, "m", 1e-5, 1, "in one substep a body 
 CLOTH_PARAM(int, step_halvings_max, 6, "1", 0, 20, "times a failed substep is halved before the step is refused")
 
 // solver
-CLOTH_PARAM(int, newton_iterations_max, 3, "1", 1, 100, "linear systems per substep")
+CLOTH_PARAM(int, newton_iterations_max, 3, "1", 1, 100, "linear systems per substep; up to 4 more where the last still moves a vertex by 5 % of an edge")
 CLOTH_PARAM(double, newton_tolerance, 0.1, "1", 1e-12, 1, "stop when the largest correction is below this share of the contact thickness")
 CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solver at this relative residual")
 CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
 CLOTH_PARAM(double, time_budget, 0, "ms", -1, 1e5, "wall time of a step, which steers tolerance and iterations within bounds (doc/budget.md); 0: none; real_time (-1): time_step")
-CLOTH_CHOICE(preconditioner, 2, "block_jacobi|two_level|multilevel", "3x3 block Jacobi (P-Cloth), with one coarse level of 96 pieces, with hat functions on ever coarser grids: fewest iterations")
+CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level|multilevel", "3x3 block Jacobi (P-Cloth), with one coarse level of 96 pieces, with hat functions on ever coarser grids: fewest iterations, for large or mostly free cloth")
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
-CLOTH_CHOICE(integrator, 0, "backward_euler|mass_spring", "implicit, finite elements; or explicit, particles and springs (doc/mass_spring.md)")
+CLOTH_CHOICE(integrator, 0, "backward_euler|mass_spring|bdf2", "implicit, finite elements; explicit, particles and springs (doc/mass_spring.md); or implicit and of order 2 where nothing touches")
 CLOTH_PARAM(double, spring_step, 1e-3, "s", 0, 1e-1, "mass_spring: longest sub-step; above the stable limit it is refused; 0 takes 0.9 of the limit")
 CLOTH_CHOICE(spring_cut, 0, "equal|last_short", "mass_spring: a step's sub-steps are equal, or all but the last are spring_step long")
 CLOTH_PARAM(double, particle_radius, 0, "m", 0, 1, "mass_spring: of the particles that collide; 0 takes 0.4 of the mean edge")
 CLOTH_CHOICE(particle_search, 0, "bins|all_pairs", "mass_spring: how particles find each other; all_pairs tests every pair in every sub-step, for comparison")
 
-CLOTH_PARAM(int, profile, 0, "1", 0, 1, "1: the times of stages are a GPU's own, which makes the host wait after each")
+CLOTH_PARAM(int, profile, 0, "1", 0, 2, "1: the times of stages are a GPU's own, which makes the host wait after each; 2: those of effects, too")
 
 // models
 CLOTH_CHOICE(bending_model, 2, "hinge|quadratic|shape", "one spring per edge; its constant matrix, the cheapest; or the curvature of each triangle, in which D is the same in every direction")

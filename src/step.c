@@ -9,20 +9,58 @@
 #include "effect/effect.h"
 #include "membrane_stretch.h"
 #include "reduce_max.h"
+#include "shift_chunk.h"
+#include "state/bdf2.h"
+#include "state/flight.h"
 #include "state/state.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
-typedef enum outcome { OUTCOME_GOOD, OUTCOME_IMPACTS, OUTCOME_ROUGH, OUTCOME_UNSTABLE } outcome;
+// TOUCHES: no substep of order 2, because contact acts; again with backward Euler
+typedef enum outcome {
+  OUTCOME_GOOD,
+  OUTCOME_IMPACTS,
+  OUTCOME_ROUGH,
+  OUTCOME_CROWDED,
+  OUTCOME_TOUCHES,
+  OUTCOME_UNSTABLE
+} outcome;
 
 enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 
 // a body that leaves no room is not cured by ever smaller steps
-enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3 };
+enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3, CROWDED_HALVINGS = 5 };
 
-#define ROUGH 0.15 // a last correction above this share of an edge: the system was far from linear
+// Shares of the mean edge. A correction that is still above the first asks for further Newton
+// iterations; one above the second for a shorter substep, as do impact zones that move a vertex
+// that far: what they move stretches the cloth around it, which had no say in it.
+#define UNSETTLED 0.05
+#define ROUGH     0.15
+
+enum { FURTHER_ITERATIONS = 4 };
+
+// A correction above so many edges, and above all that the cloth spans: it diverges.
+#define AWAY 10
+
+// As many impacts of cloth with cloth as this, and zones would grind: half the step costs less and
+// stays nearer to what the solver found. A share of the vertices, and some that any cloth may have.
+#define CROWDED_SHARE 0.03
+#define CROWDED_LEAST 16
+#define CALM          0.25 // below this share of what is crowded, longer substeps are tried again
+
+static bool is_rough(const cloth_sim *sim, double distance)
+{
+  return !(distance <= ROUGH * sim->mean_edge);
+}
+
+// the first correction is the whole answer to the prediction, not what is left of the error
+static bool is_far_from_linear(const cloth_sim *sim)
+{
+  return sim->iteration > 0 && is_rough(sim, sim->correction);
+}
 
 static double now_ms(void)
 {
@@ -75,10 +113,10 @@ static int owner_of_contact(const cloth_sim *sim)
                                                 : CLOTH_EFFECT_body_contact;
 }
 
-// Newton iterations `first` to `last` - 1
+// Newton iterations `first` to `last` - 1, and some more where the last still is a large one
 static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
 {
-  int owner = sim->owner;
+  int owner = sim->owner, most = first == 0 && last > 1 ? last + FURTHER_ITERATIONS : last;
   double correction = 0;
   sim->owner = CLOTH_CORE;
   for (int n = first; n < last; n++) {
@@ -87,43 +125,118 @@ static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
     STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
     STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
     STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
+    if (n + 1 == last && last < most && !(correction <= UNSETTLED * sim->mean_edge)) last++;
     if (!(correction <= sim->params.newton_tolerance * sim->params.thickness)) continue;
     CLOTH_TRY(cloth_friction_settled(sim, &settled, err)); // contact/friction.c sticks or slides
     if (settled) break;
   }
   sim->correction = correction;
+  CLOTH_TRY(cloth_balance(sim, err)); // solve/balance.c    momentum of free flight
   CLOTH_TRY(cloth_holds_measure(sim, err));
   sim->owner = owner;
   return CLOTH_OK;
 }
 
+// how far the zones and the failsafe have moved vertices from the end of the solve [m]
+static cloth_status measure_shift(cloth_sim *sim, double *out, cloth_error *err)
+{
+  cloth_part *p = &sim->part[0]; // every part has the same
+  cloth_shift_chunk_args a = {sim->vertex_count, p->zone.x_solved, p->x, p->largest};
+  CLOTH_LAUNCH(sim, p, shift_chunk, sim->chunks, &a, err);
+  CLOTH_TRY(cloth_staging(sim, (size_t)sim->chunks, err));
+  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->largest,
+                               sizeof(cloth_real) * (size_t)sim->chunks, err));
+  for (int c = 0; c < sim->chunks; c++)
+    if (!((double)sim->host[c] <= *out)) *out = (double)sim->host[c];
+  return CLOTH_OK;
+}
+
+// how a step is cut
+typedef struct cutting {
+  double share;        // of the step, of one substep
+  int depth, halvings; // times it was halved: as the last step was, and in this one
+  int left;            // impacts that were left when it was halved last because of them
+  double crowd;        // most crowded substep, repeated or not
+} cutting;
+
+// May a substep with this outcome, impacts left aside, be repeated at half its length?
+static bool may_cut(const cloth_sim *sim, const cutting *c, outcome result)
+{
+  static const int most[] = {[OUTCOME_ROUGH] = ROUGH_HALVINGS,
+                             [OUTCOME_CROWDED] = CROWDED_HALVINGS,
+                             [OUTCOME_UNSTABLE] = INT_MAX};
+  return c->depth + c->halvings < most[result] && c->halvings < sim->params.step_halvings_max;
+}
+
+// impacts that are many
+static double crowded(const cloth_sim *sim)
+{
+  return CROWDED_LEAST + CROWDED_SHARE * sim->vertex_count;
+}
+
+// Has the solution left all that the cloth spans and sweeps? Then looking for impacts costs much
+// and tells nothing.
+static bool ran_away(const cloth_sim *sim)
+{
+  double x = sim->correction, span = sim->span;
+  return !(x <= sim->params.bounds) ||
+         (sim->iteration > 0 && x > AWAY * sim->mean_edge && x > span);
+}
+
+// the longest side of the box around all cloth, from the start to where it would fly
+static double span_of(const cloth_box *box)
+{
+  return fmax((double)(box->hi.x - box->lo.x),
+              fmax((double)(box->hi.y - box->lo.y), (double)(box->hi.z - box->lo.z)));
+}
+
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
-static cloth_status part_what_meets(cloth_sim *sim, int *left, cloth_error *err)
+static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *result, int *left,
+                                    bool *met, cloth_error *err)
 {
   int impacts, n = sim->params.newton_iterations_max;
   if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
   STAGE(ccd, cloth_ccd_detect(sim, &impacts, err)); // ccd/ccd.c
+  *met = impacts > 0;
+  if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
     sim->report->contact_rounds++;
+    if (ran_away(sim)) {
+      *result = OUTCOME_UNSTABLE;
+      return CLOTH_OK;
+    }
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
   }
+  sim->crowd = cloth_impacts_of_cloth(sim) / crowded(sim);
+  *result = sim->crowd > 1            ? OUTCOME_CROWDED
+            : is_far_from_linear(sim) ? OUTCOME_ROUGH
+                                      : OUTCOME_GOOD;
+  if (may_cut(sim, c, *result)) return CLOTH_OK; // no work for what will be thrown away
+  *result = OUTCOME_GOOD;
   STAGE(ccd, cloth_ccd_resolve(sim, left, err)); // ccd/zones.c, ccd/failsafe.c
+  double shift = 0;
+  if (impacts > 0) CLOTH_TRY(measure_shift(sim, &shift, err));
+  if (is_rough(sim, shift)) *result = OUTCOME_ROUGH;
   return cloth_contact_totals(sim, err);
 }
 
-static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcome *result,
-                                  cloth_error *err)
+static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cutting *c,
+                                  outcome *result, cloth_error *err)
 {
   int left = 0;
-  bool touch = sim->active[CLOTH_EFFECT_self_contact];
-  CLOTH_TRY(cloth_damping_set(sim, sim->h, err));
+  sim->crowd = 0;
+  *result = OUTCOME_GOOD;
+  bool touch = sim->active[CLOTH_EFFECT_self_contact], met = false;
+  CLOTH_TRY(cloth_bdf2_begin(sim, err)); // state/bdf2.c       of order 2, or backward Euler
+  CLOTH_TRY(cloth_damping_set(sim, sim->gamma, err));
   STAGE(predict,
         cloth_predict_stage(sim, from, to, err)); // state/predict.c    x* = x + h v + h^2 g
 
   touch = touch || sim->report->bodies_near > 0;
+  sim->span = touch ? span_of(&sim->cloth_box) : sim->params.bounds;
   sim->owner = owner_of_contact(sim);
   if (touch) {
     STAGE(pairs, cloth_pairs_find(sim, err));            // contact/pairs.c    what may touch
@@ -134,19 +247,31 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, outcom
     sim->pairs_valid = false;
   }
   sim->owner = CLOTH_CORE;
+  if (sim->bdf2.used && cloth_bdf2_touches(sim)) {
+    *result = OUTCOME_TOUCHES;
+    return CLOTH_OK;
+  }
 
   CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
+  if (ran_away(sim)) {
+    *result = OUTCOME_UNSTABLE;
+    return CLOTH_OK;
+  }
   sim->owner = owner_of_contact(sim);
   if (!touch && sim->active[CLOTH_EFFECT_body_contact]) {
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
     touch = sim->report->bodies_near > 0;
   }
-  if (touch) CLOTH_TRY(part_what_meets(sim, &left, err));
+  if (touch) CLOTH_TRY(part_what_meets(sim, c, result, &left, &met, err));
   sim->owner = CLOTH_CORE;
+  if (sim->bdf2.used && met) *result = OUTCOME_TOUCHES;
+  if (*result == OUTCOME_UNSTABLE || *result == OUTCOME_TOUCHES) return CLOTH_OK;
+  sim->smooth = !met && !cloth_bdf2_touches(sim);
   sim->impacts_left = left;
-  // the first correction is the whole answer to the prediction, not what is left of the error
-  bool rough = sim->iteration > 0 && !(sim->correction <= ROUGH * sim->mean_edge);
-  *result = left > 0 ? OUTCOME_IMPACTS : rough ? OUTCOME_ROUGH : OUTCOME_GOOD;
+  if (left > 0)
+    *result = OUTCOME_IMPACTS;
+  else if (*result == OUTCOME_GOOD && is_far_from_linear(sim))
+    *result = OUTCOME_ROUGH;
   STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
   return CLOTH_OK;
 }
@@ -156,9 +281,10 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_commit_chunk_args a = {0,    sim->vertex_count, p->x_t0,
-                                 p->x, p->mass,           (cloth_real)(1 / sim->h),
-                                 p->v, p->v_next,         p->commit};
+    const cloth_real *v = sim->bdf2.used ? p->v_next : p->v; // expected: where the change starts
+    cloth_commit_chunk_args a = {0,    sim->vertex_count, cloth_step_from(sim, p),
+                                 p->x, p->mass,           (cloth_real)(1 / sim->gamma),
+                                 v,    p->v_next,         p->commit};
     CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
   }
   size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
@@ -178,7 +304,8 @@ static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
   sim->report->speed_max = sim->speed_last = speed;
   sim->report->energy_kinetic = energy;
   // the leading error of backward Euler is h^2 / 2 times the acceleration (Hairer and Wanner 1996)
-  sim->error_estimate = sim->h * change / 2;
+  // and that of BDF2 2/9 h^3 times its derivative
+  sim->error_estimate = sim->h * change * (sim->bdf2.used ? 2.0 / 9 : 0.5);
   return CLOTH_OK;
 }
 
@@ -208,6 +335,7 @@ static cloth_status accept(cloth_sim *sim, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
   CLOTH_TRY(cloth_friction_finish(sim, err));
+  CLOTH_TRY(cloth_bdf2_keep(sim, sim->smooth, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_copy_local(sim, p, p->x_t0, p->x, bytes, err));
@@ -232,56 +360,100 @@ static void place_teleports(cloth_sim *sim)
     for (int k = 0; k < 4; k++) dot += body->now.rotation[k] * body->target.rotation[k];
     if (sqrt(d_sq) <= sim->params.teleport_distance && fabs(dot) >= quarter * (1 - 1e-9)) continue;
     body->now = body->target;
-    sim->pairs_valid = false;
+    sim->pairs_valid = sim->bdf2.known = false;
     sim->report->teleports++;
     cloth_body_settle(sim);
   }
 }
 
+static cloth_status begin_cutting(cloth_sim *sim, double h, cutting *c, cloth_error *err)
+{
+  int least;
+  CLOTH_TRY(cloth_substeps_count(sim, h, &least, err));
+  int parts = least > sim->substeps_crowded ? least : sim->substeps_crowded;
+  *c = (cutting){.share = 1.0 / parts, .left = INT_MAX};
+  while (least << (c->depth + 1) <= parts) c->depth++;
+  return CLOTH_OK;
+}
+
+// Is the substep repeated at half its length? Where something intersects already, or where half the
+// length left more than half of the impacts, and many, bodies leave no room, and smaller steps make
+// none.
+static bool again(const cloth_sim *sim, outcome result, cutting *c)
+{
+  c->crowd = fmax(c->crowd, sim->crowd);
+  if (result != OUTCOME_IMPACTS) return may_cut(sim, c, result);
+  bool cures = sim->impacts_left <= c->left / 2 || !(sim->impacts_left > crowded(sim));
+  c->left = sim->impacts_left;
+  return sim->tangles.known_free && cures && c->halvings < IMPACT_HALVINGS &&
+         c->halvings < sim->params.step_halvings_max;
+}
+
+// Steps that follow begin as finely as this one ended: most of them are as crowded.
+static void end_cutting(cloth_sim *sim, const cutting *c)
+{
+  int parts = (int)(1 / c->share + 0.5);
+  if (c->crowd > 1)
+    sim->substeps_crowded = parts;
+  else if (c->crowd < CALM && c->halvings == 0)
+    sim->substeps_crowded = parts / 2;
+}
+
+static cloth_status stand(cloth_sim *sim, outcome result, cloth_error *err)
+{
+  cloth_step_report *report = sim->report;
+  mean_motion(sim);
+  CLOTH_TRY(accept(sim, err));
+  sim->tangles.found = false;
+  if (result == OUTCOME_IMPACTS) {
+    CLOTH_TRY(cloth_blocking_add(sim, err));
+    cloth_tangles_suspect(sim);
+  }
+  report->substeps++;
+  report->impacts_left += sim->impacts_left;
+  if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
+  report->newton_correction = fmax(report->newton_correction, sim->correction);
+  report->error_estimate = fmax(report->error_estimate, sim->error_estimate);
+  return CLOTH_OK;
+}
+
 // the whole step in substeps; a failed one is repeated at half its length
 static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
-  int halvings = 0, parts;
-  CLOTH_TRY(cloth_substeps_count(sim, h, &parts, err));
-  double done = 0, share = 1.0 / parts;
+  cutting c;
+  CLOTH_TRY(begin_cutting(sim, h, &c, err));
+  double done = 0;
+  sim->h_contact = h * c.share;
   while (done < 1) {
-    double to = done + share < 1 - 1e-9 ? done + share : 1;
+    double to = done + c.share < 1 - 1e-9 ? done + c.share : 1;
     sim->h = (to - done) * h;
     sim->time_t0 = sim->time + done * h;
     CLOTH_TRY(cloth_tangles_update(sim, done, err));
-    CLOTH_TRY(cloth_advance(sim, done, to, result, err));
-    // where something intersects already, bodies leave no room, and smaller steps make none
-    const int most[] = {[OUTCOME_IMPACTS] = sim->tangles.known_free ? IMPACT_HALVINGS : 0,
-                        [OUTCOME_ROUGH] = ROUGH_HALVINGS};
-    bool again = *result != OUTCOME_GOOD && halvings < sim->params.step_halvings_max &&
-                 (*result == OUTCOME_UNSTABLE || halvings < most[*result]);
-    if (again) {
-      halvings++, sim->report->step_halvings++;
-      share /= 2;
-      sim->pairs_valid = false;
+    CLOTH_TRY(cloth_advance(sim, done, to, &c, result, err));
+    if (*result == OUTCOME_TOUCHES) {
+      sim->pairs_valid = sim->bdf2.known = false;
+      continue;
+    }
+    if (again(sim, *result, &c)) {
+      c.halvings++, sim->report->step_halvings++;
+      if (*result == OUTCOME_IMPACTS || *result == OUTCOME_CROWDED)
+        sim->h_contact /= 2; // stiffer springs keep apart what met
+      c.share /= 2;
+      sim->pairs_valid = sim->bdf2.known = false;
       continue;
     }
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
-    mean_motion(sim);
-    CLOTH_TRY(accept(sim, err));
-    sim->tangles.found = false;
-    if (*result == OUTCOME_IMPACTS) {
-      CLOTH_TRY(cloth_blocking_add(sim, err));
-      cloth_tangles_suspect(sim);
-    }
-    sim->report->substeps++;
-    sim->report->impacts_left += sim->impacts_left;
-    if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
-    sim->report->newton_correction = fmax(sim->report->newton_correction, sim->correction);
-    sim->report->error_estimate = fmax(sim->report->error_estimate, sim->error_estimate);
+    CLOTH_TRY(stand(sim, *result, err));
     done = to;
   }
+  end_cutting(sim, &c);
   return CLOTH_OK;
 }
 
 static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  if (cloth_flies(sim)) return CLOTH_OK; // it keeps the start without copying
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_copy_local(sim, p, back ? p->x_t0 : p->x_saved, back ? p->x_saved : p->x_t0,
@@ -289,15 +461,20 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
     CLOTH_TRY(
         cloth_copy_local(sim, p, back ? p->v : p->v_saved, back ? p->v_saved : p->v, bytes, err));
   }
+  CLOTH_TRY(cloth_bdf2_save(sim, back, err));
   return cloth_friction_save(sim, back, err);
 }
 
 // the whole step by the integrator of the scene
 static cloth_status integrate(cloth_sim *sim, double h, outcome *result, cloth_error *err)
 {
-  if (!cloth_is_mass_spring(sim)) return advance_all(sim, h, result, err);
-  bool good; // sub-steps below the stable limit are not halved
-  CLOTH_TRY(cloth_springs_advance(sim, h, &good, err)); // spring/advance.c
+  bool good; // flight and sub-steps below the stable limit are not halved
+  if (cloth_flies(sim))
+    CLOTH_TRY(cloth_flight_advance(sim, h, &good, err)); // state/flight.c
+  else if (cloth_is_mass_spring(sim))
+    CLOTH_TRY(cloth_springs_advance(sim, h, &good, err)); // spring/advance.c
+  else
+    return advance_all(sim, h, result, err);
   *result = good ? OUTCOME_GOOD : OUTCOME_UNSTABLE;
   return CLOTH_OK;
 }
@@ -380,8 +557,8 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   CLOTH_TRY(save_start(sim, false, err));
   CLOTH_TRY(integrate(sim, h, &result, err));
   if (result == OUTCOME_UNSTABLE) {
-    CLOTH_TRY(save_start(sim, true, err));
     cloth_guess_free_fall(sim);
+    CLOTH_TRY(save_start(sim, true, err));
     cloth_tangles_suspect(sim);
     for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
     for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;

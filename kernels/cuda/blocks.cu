@@ -84,24 +84,39 @@ __device__ cloth_real chunk_larger(cloth_real v, cloth_real *shared)
   return v;
 }
 
-__global__ void __launch_bounds__(CHUNK_THREADS)
-    commit_kernel(const __grid_constant__ cloth_commit_chunk_args a)
+// the fields of the block's chunk from those of its threads
+__device__ void commit_fields(const cloth_real *field, cloth_real *out)
 {
   __shared__ cloth_real upper[4 * CLOTH_WARP], larger;
-  int i = (int)blockIdx.x, k = a.first + i * CLOTH_CHUNK + (int)threadIdx.x;
-  cloth_real field[CLOTH_COMMIT_FIELDS] = {}, sum[4];
-  if (k < cloth_chunk_end(a.first, a.count, i)) cloth_commit_vertex(k, &a, field);
+  cloth_real sum[4];
   for (int f = 0; f < 4; f++) sum[f] = field[CLOTH_COMMIT_ENERGY + f];
   cloth_block_chunk_sums(sum, upper);
   cloth_real worst = chunk_larger(field[CLOTH_COMMIT_WORST], &larger);
   cloth_real speed = chunk_larger(field[CLOTH_COMMIT_SPEED], &larger);
   cloth_real change = chunk_larger(field[CLOTH_COMMIT_CHANGE], &larger);
   if (threadIdx.x > 0) return;
-  cloth_real *out = a.out + CLOTH_COMMIT_FIELDS * (a.first / CLOTH_CHUNK + i);
   out[CLOTH_COMMIT_WORST] = worst;
   out[CLOTH_COMMIT_SPEED] = cloth_sqrt(speed);
   out[CLOTH_COMMIT_CHANGE] = cloth_sqrt(change);
   for (int f = 0; f < 4; f++) out[CLOTH_COMMIT_ENERGY + f] = sum[f];
+}
+
+__global__ void __launch_bounds__(CHUNK_THREADS)
+    commit_kernel(const __grid_constant__ cloth_commit_chunk_args a)
+{
+  int i = (int)blockIdx.x, k = a.first + i * CLOTH_CHUNK + (int)threadIdx.x;
+  cloth_real field[CLOTH_COMMIT_FIELDS] = {};
+  if (k < cloth_chunk_end(a.first, a.count, i)) cloth_commit_vertex(k, &a, field);
+  commit_fields(field, a.out + CLOTH_COMMIT_FIELDS * (a.first / CLOTH_CHUNK + i));
+}
+
+__global__ void __launch_bounds__(CHUNK_THREADS)
+    fly_kernel(const __grid_constant__ cloth_fly_chunk_args a)
+{
+  int i = (int)blockIdx.x, k = i * CLOTH_CHUNK + (int)threadIdx.x;
+  cloth_real field[CLOTH_COMMIT_FIELDS] = {};
+  if (k < cloth_chunk_end(0, a.commit.count, i)) cloth_fly_vertex(k, &a, field);
+  commit_fields(field, a.commit.out + CLOTH_COMMIT_FIELDS * i);
 }
 
 __global__ void __launch_bounds__(CHUNK_THREADS)
@@ -371,6 +386,7 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     CHUNKS(pcg_product, product_kernel);
     CHUNKS(pcg_residual, residual_kernel);
     CHUNKS(commit_chunk, commit_kernel);
+    CHUNKS(fly_chunk, fly_kernel);
     CHUNKS(correct, correct_kernel);
     CHUNKS(reduce_max, max_kernel);
     BLOCKS(box_chunk, box_kernel, CLOTH_WARP);

@@ -1,11 +1,15 @@
 // How many cells triangle i covers; body triangles that cover very many are set aside, because one
-// table top would flood the hash, and those that miss the cloth's box cover none.
+// table top would flood the hash, and those that miss the cloth's box cover none. A cloth triangle
+// over very many is counted: then the cells are too small, as in a solve that has run away.
 #pragma once
 
 #include "atomic.h"
 #include "grid.h"
 
-enum { CLOTH_CELLS_MAX = 64 }; // a body triangle over more cells is large
+enum {
+  CLOTH_CELLS_MAX = 64,        // a body triangle over more cells is large
+  CLOTH_CELLS_MAX_CLOTH = 4096 // a cloth triangle over more cells is vast
+};
 
 typedef struct cloth_cell_count_args {
   cloth_grid grid;
@@ -17,6 +21,7 @@ typedef struct cloth_cell_count_args {
   uint32_t *count;          // [n], written
   uint32_t *large;          // list of large triangles
   uint32_t *large_count;    // [1] counts up
+  uint32_t *vast_count;     // [1] counts up
 } cloth_cell_count_args;
 
 CLOTH_FN int cloth_active_triangle(int i, int cloth_triangles, const int *body_triangle)
@@ -39,6 +44,9 @@ CLOTH_FN void cloth_cell_count(int i, const cloth_cell_count_args *a)
       a->large[cloth_atomic_next(a->large_count)] = (uint32_t)t;
       n = 0;
     }
+  } else if (n > CLOTH_CELLS_MAX_CLOTH) {
+    cloth_atomic_next(a->vast_count);
+    n = 0; // so that the sum of all stays in its range
   }
   a->count[i] = n;
 }

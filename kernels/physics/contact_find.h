@@ -58,7 +58,7 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
   cloth_pair pair = cloth_pair_unpack(s->format, a->pair[i]);
-  if (cloth_contact_on_seam(s, pair)) return;
+  if (cloth_contact_on_seam(s, pair) || cloth_contact_on_flat(s, pair)) return;
   cloth_pair_vertices(s, a->pair[i], &g);
   if (!cloth_pair_near(s, &g, s->thickness + s->reach)) return;
   cloth_contact_measure(s->x_t0, &g);

@@ -36,12 +36,27 @@ typedef struct cloth_contact_force_args {
   cloth_real *trial;           // [n x 3] m, at the last iterate; brought up to date
   unsigned char *state;        // [n] CLOTH_FRICTION_... at the last iterate; brought up to date
   cloth_real *bound;           // [n] mu N at the last iterate; brought up to date
+  cloth_real *secant;          // [n] N/m, stiffness along the slip there; brought up to date
   cloth_real limit;            // m, elastic slip that a contact can bear
   cloth_real stiffness;        // that of contact, in units of mass / step^2
   cloth_real *force;           // [n x 3] N, written
   cloth_real *tangent;         // [n x 6] N/m, written
   cloth_real *pressure;        // [n] N, normal force, written
 } cloth_contact_force_args;
+
+// What the last solve took friction on contact i to be at its end, where the slip is now `slip`
+// [N]. With a secant less than the bound: counting on all of it would leave the next iterate
+// without one, and a normal force that an iterate of an impact shot up to would throw the cloth
+// sideways.
+CLOTH_FN cloth_real cloth_contact_carried(int i, const cloth_contact_force_args *a, cloth_v3 slip)
+{
+  cloth_v3 before = cloth_v3_load(a->trial, i);
+  cloth_real size = cloth_v3_length(before);
+  if (a->state[i] == CLOTH_FRICTION_STICKS) return a->bound[i] * cloth_v3_length(slip) / a->limit;
+  if (!(a->secant[i] > 0 && size > 0)) return a->bound[i];
+  cloth_real carried = a->bound[i] - a->secant[i] * (size - cloth_v3_dot(before, slip) / size);
+  return carried > 0 ? carried : 0;
+}
 
 // friction on contact i under `load` [N] after the motion u, and its tangent
 CLOTH_FN cloth_v3 cloth_contact_friction(int i, const cloth_contact_force_args *a, cloth_real load,
@@ -59,11 +74,11 @@ CLOTH_FN cloth_v3 cloth_contact_friction(int i, const cloth_contact_force_args *
   } else if (state != CLOTH_FRICTION_NONE) {
     slides = slides && !(cloth_v3_dot(slip, before) < 0);
   }
-  if (state != CLOTH_FRICTION_NONE)
-    carried = a->bound[i] * (state == CLOTH_FRICTION_STICKS ? size / a->limit : 1);
+  if (state != CLOTH_FRICTION_NONE) carried = cloth_contact_carried(i, a, slip);
   cloth_v3_store(a->trial, i, slip);
   a->state[i] = slides ? CLOTH_FRICTION_SLIDES : CLOTH_FRICTION_STICKS;
   a->bound[i] = bound;
+  a->secant[i] = 0;
   if (!slides) {
     *tangent = cloth_sym3_axis(bound / a->limit, -bound / a->limit, n);
     return cloth_v3_scale(-bound / a->limit, slip);
@@ -73,6 +88,7 @@ CLOTH_FN cloth_v3 cloth_contact_friction(int i, const cloth_contact_force_args *
   // what is new of the force must not turn the slip round by itself
   cloth_real secant = (bound - carried) / size - inertia, across = bound / size;
   secant = secant > 0 && carried < bound ? secant : 0;
+  a->secant[i] = secant;
   *tangent = cloth_sym3_add(cloth_sym3_axis(0, secant, along),
                             cloth_sym3_axis(0, across, cloth_v3_cross(n, along)));
   return cloth_v3_scale(-bound, along);

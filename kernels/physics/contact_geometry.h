@@ -18,17 +18,18 @@ typedef struct cloth_contact_scene {
   const int *triangle_edge; // [triangles x 3] edge k joins corners k and k + 1
   const int *edge_side;     // [edges x 2] the triangles on it; -1: none
   const unsigned char
-      *edge_flat;           // [edges] 1: a seam between two faces of a body that lie in one plane
-  const cloth_real *x_t0;   // [vertices x 3] m, start of the substep
-  const cloth_real *x;      // [vertices x 3] m, predicted or solved end
-  const cloth_real *x_pred; // [cloth vertices x 3] m, where inertia and gravity alone lead
-  const cloth_real *rest;   // [cloth vertices x 3] m, rest shape
-  const cloth_real *free;   // [cloth vertices] 1: moves, 0: held rigidly
-  const cloth_real *mass;   // [cloth vertices] kg
-  const int *cloth_of;      // [cloth vertices] index of the cloth
-  const int *body_of;       // [body vertices] index of the body
-  const cloth_real *body_friction; // [bodies]
-  const int *grasp_of;             // [cloth vertices] 0: none, else 1 + grasp
+      *edge_flat; // [edges] 1: a seam between two faces of a body that lie in one plane
+  const unsigned char *vertex_flat; // [body vertices] 1: all edges at it are such seams
+  const cloth_real *x_t0;           // [vertices x 3] m, start of the substep
+  const cloth_real *x;              // [vertices x 3] m, predicted or solved end
+  const cloth_real *x_pred;         // [cloth vertices x 3] m, where inertia and gravity alone lead
+  const cloth_real *rest;           // [cloth vertices x 3] m, rest shape
+  const cloth_real *free;           // [cloth vertices] 1: moves, 0: held rigidly
+  const cloth_real *mass;           // [cloth vertices] kg
+  const int *cloth_of;              // [cloth vertices] index of the cloth
+  const int *body_of;               // [body vertices] index of the body
+  const cloth_real *body_friction;  // [bodies]
+  const int *grasp_of;              // [cloth vertices] 0: none, else 1 + grasp
   const unsigned char
       *ignore;             // [grasps x bodies] 1: contacts of held vertices with the body are off
   const int *stray;        // [cloth vertices] CLOTH_TANGLED and its like; NULL: nothing intersects
@@ -246,25 +247,66 @@ CLOTH_FN int cloth_contact_on_seam(const cloth_contact_scene *s, cloth_pair p)
   return p.type == CLOTH_EDGE_EDGE && (s->edge_flat[p.a] || s->edge_flat[p.b]);
 }
 
-/// Is a vertex-face pair whose closest point lies on an edge of the face better told by the face
-/// across that edge? Otherwise a flat surface pushes sideways along its own seams, and many times
-/// over.
+/// Is it a vertex inside a flat face of a body against a face of cloth? That is nearest to the
+/// plane at one of its corners, or across the border of the flat face. The vertex would only be a
+/// bump: before the edge of a sheet that slides towards it, even a wall.
+CLOTH_FN int cloth_contact_on_flat(const cloth_contact_scene *s, cloth_pair p)
+{
+  return p.type == CLOTH_VERTEX_FACE && p.a >= s->cloth_vertices &&
+         s->vertex_flat[p.a - s->cloth_vertices];
+}
+
+// The face across edge k of a face, or -1.
+CLOTH_FN int cloth_contact_across(const cloth_contact_scene *s, int face, int k)
+{
+  int e = s->triangle_edge[3 * face + k];
+  return s->edge_side[2 * e] == face ? s->edge_side[2 * e + 1] : s->edge_side[2 * e];
+}
+
+// Is face `other` nearer to vertex v than `face` is? In one order, so that of several one is left.
+CLOTH_FN int cloth_contact_nearer(const cloth_contact_scene *s, int v, int face, int other)
+{
+  const int *c = s->triangle + 3 * other;
+  if (c[0] == v || c[1] == v || c[2] == v) return 0;
+  int inside;
+  cloth_real here = cloth_contact_distance_sq(s, v, face, &inside),
+             there = cloth_contact_distance_sq(s, v, other, &inside);
+  // what is above the inside of a face is nearer to it than to its edges, whatever rounding says
+  return inside || there < here || (!(here < there) && other < face);
+}
+
+enum { CLOTH_FAN_MOST = 32 }; // faces at a vertex that are looked at, each way round
+
+// As cloth_contact_told_across(), for all faces at corner `at`, which is the closest point.
+CLOTH_FN int cloth_contact_told_around(const cloth_contact_scene *s, int v, int face, int at)
+{
+  int corner = s->triangle[3 * face + at];
+  for (int way = 0; way < 2; way++) {
+    int now = face, k = way ? (at + 2) % 3 : at; // the two edges at the corner
+    for (int n = 0; n < CLOTH_FAN_MOST; n++) {
+      int crossed = s->triangle_edge[3 * now + k];
+      now = cloth_contact_across(s, now, k);
+      if (now == face) return 0; // once round
+      if (now < 0) break;        // a border: the other way round
+      if (cloth_contact_nearer(s, v, face, now)) return 1;
+      int j = s->triangle[3 * now] == corner ? 0 : s->triangle[3 * now + 1] == corner ? 1 : 2;
+      k = s->triangle_edge[3 * now + j] == crossed ? (j + 2) % 3 : j;
+    }
+  }
+  return 0;
+}
+
+/// Is a vertex-face pair whose closest point lies on an edge or a corner of the face better told by
+/// the face across that edge, or another one at that corner? Otherwise a flat surface pushes
+/// sideways along its own seams, and many times over.
 CLOTH_FN int cloth_contact_told_across(const cloth_contact_scene *s,
                                        const cloth_contact_geometry *g, int face)
 {
-  int v = g->vertex[0];
-  for (int k = 0; k < 3; k++) {
-    if (g->weight[1 + k] < 0) continue; // not on the edge across from corner k
-    int e = s->triangle_edge[3 * face + (k + 1) % 3];
-    int other = s->edge_side[2 * e] == face ? s->edge_side[2 * e + 1] : s->edge_side[2 * e];
-    if (other < 0) continue;
-    const int *c = s->triangle + 3 * other;
-    if (c[0] == v || c[1] == v || c[2] == v) continue;
-    int inside;
-    cloth_real here = cloth_contact_distance_sq(s, v, face, &inside),
-               there = cloth_contact_distance_sq(s, v, other, &inside);
-    // what is above the inside of a face is nearer to it than to its edges, whatever rounding says
-    if (inside || there < here || (!(here < there) && other < face)) return 1;
-  }
-  return 0;
+  int off[3], count = 0; // corners that have no part in the closest point
+  for (int k = 0; k < 3; k++)
+    if (!(g->weight[1 + k] < 0)) off[count++] = k;
+  if (count == 2) return cloth_contact_told_around(s, g->vertex[0], face, 3 - off[0] - off[1]);
+  if (count != 1) return 0;
+  int other = cloth_contact_across(s, face, (off[0] + 1) % 3);
+  return other >= 0 && cloth_contact_nearer(s, g->vertex[0], face, other);
 }

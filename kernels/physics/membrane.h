@@ -12,6 +12,8 @@
 // -damping K (x - x_t0); unlike it, a turn of the triangle as a whole feels nothing, and the force
 // stays the gradient of one function of x, which a line search can use.
 //
+// A strain limit (membrane_limit.h) adds its own stress and tangent.
+//
 // Sources: B. Thomaszewski,
 // S. Pabst, W. Strasser, Continuum-based Strain Limiting, 2009 (triangle with Green strain in
 // material axes); J. Teran, E. Sifakis, G. Irving, R. Fedkiw, Robust Quasistatic Finite Elements
@@ -19,6 +21,7 @@
 #pragma once
 
 #include "bend.h"
+#include "membrane_limit.h"
 
 // rest is the inverse of [warp, weft of corners 1-0 and 2-0 as columns], m00 m01 m10 m11 [1/m], and
 // the area [m^2]; tangent is K00 K11 K22 packed (xx yy zz yz zx xy), then K01 K12 K20 row by row,
@@ -29,6 +32,7 @@ typedef struct cloth_membrane_args {
   const int *material;         // [n]                  row of stiffness and damping
   const cloth_real *stiffness; // [materials x 4] N/m  c11 c12 c22 c33
   const cloth_real *measured;  // [materials x 24] N/m see cloth_membrane_measured; first 0: linear
+  const cloth_real *limit;     // [materials x 2] 1, N/m see membrane_limit.h; NULL: none
   const cloth_real *damping;   // [materials]     1    damping time over step length
   const cloth_real *x;         // [vertices x 3]  m    positions
   const cloth_real *x_t0;      // [vertices x 3]  m    positions at the start of the step
@@ -195,10 +199,18 @@ CLOTH_FN void cloth_membrane(int i, const cloth_membrane_args *a)
     cloth_membrane_measured(g, table, measured);
     c = measured;
   }
+  cloth_limit_state limit;
+  const cloth_real strain[3] = {g.warp, g.weft, g.shear};
+  int limited = a->limit && cloth_limit_find(strain, a->limit + 2 * a->material[i], &limit);
   g.warp += d * (g.warp - g_t0.warp);
   g.weft += d * (g.weft - g_t0.weft);
   g.shear += d * (g.shear - g_t0.shear);
   cloth_membrane_sym2 s = cloth_membrane_stress(g, c);
+  if (limited) {
+    cloth_real more[3];
+    cloth_limit_stress(&limit, more);
+    s.warp += more[0], s.weft += more[1], s.shear += more[2];
+  }
 
   // P = A F S: force_1 = -P b_1, force_2 = -P b_2, force_0 balances them
   cloth_v3 pw =
@@ -213,4 +225,5 @@ CLOTH_FN void cloth_membrane(int i, const cloth_membrane_args *a)
 
   const cloth_real stiff[4] = {(1 + d) * c[0], (1 + d) * c[1], (1 + d) * c[2], (1 + d) * c[3]};
   cloth_membrane_tangent(f, cloth_membrane_tension(s), rest, stiff, a->tangent + 45 * i);
+  if (limited) cloth_limit_tangent(&limit, f.warp, f.weft, rest, a->tangent + 45 * i);
 }

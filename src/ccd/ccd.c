@@ -99,6 +99,16 @@ cloth_status cloth_impacts_find(cloth_sim *sim, bool moved, cloth_error *err)
   return CLOTH_OK;
 }
 
+int cloth_impacts_of_cloth(const cloth_sim *sim)
+{
+  int n = 0, v[4];
+  for (int i = 0; i < sim->zones.found_count; i++) {
+    cloth_pair_corners(sim, sim->zones.found[i].key, v);
+    n += v[0] < sim->vertex_count && v[3] < sim->vertex_count; // one of each feature
+  }
+  return n;
+}
+
 // ---- the stage ----------------------------------------------------------------------------------
 
 static cloth_status remember_solved(cloth_sim *sim, cloth_error *err)

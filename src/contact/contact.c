@@ -32,6 +32,7 @@ cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_par
       .triangle_edge = p->triangle_edge,
       .edge_side = p->edge_side,
       .edge_flat = p->edge_flat,
+      .vertex_flat = p->vertex_flat,
       .x_t0 = p->x_t0,
       .x = p->x,
       .x_pred = p->x_pred,
@@ -134,6 +135,15 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
   return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, rows + 1, &r, err);
 }
 
+// In units of mass / substep^2, but a step that is halved because its solve was rough keeps its
+// springs: stiffer, contacts that are pressed together would let go of several times the energy
+// that pressed them.
+double cloth_contact_stiffness(const cloth_sim *sim)
+{
+  double share = sim->h / sim->h_contact;
+  return sim->params.contact_stiffness * share * share;
+}
+
 // planes and rows of the pairs in the list, which is put in order
 static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
@@ -143,7 +153,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
       p->contact, p->contact_toi, p->contact_spare, p->contact_toi_spare, err));
   cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
                                 .count = p->contact_count,
-                                .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                 .inverse_step = (cloth_real)(1 / sim->h),
                                 .contact = p->contact,
                                 .toi = p->contact_toi,
@@ -205,8 +215,9 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
                                   .trial = p->friction_trial,
                                   .state = p->friction_state,
                                   .bound = p->friction_bound,
+                                  .secant = p->friction_secant,
                                   .limit = cloth_friction_limit(sim),
-                                  .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                  .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                   .force = p->contact_force,
                                   .tangent = p->contact_tangent,
                                   .pressure = p->contact_pressure};

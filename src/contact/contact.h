@@ -7,6 +7,9 @@
 /// What the contact and impact kernels need to know of a part.
 cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *part);
 
+/// Stiffness of a contact in units of vertex mass / substep^2: the parameter's, of a whole step.
+double cloth_contact_stiffness(const cloth_sim *sim);
+
 /// Pairs of the last cloth_impacts_find() become contacts at their times of impact, for another
 /// solve.
 cloth_status cloth_contact_add_impacts(cloth_sim *sim, cloth_error *err);

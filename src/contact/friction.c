@@ -29,6 +29,8 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, cloth_error *er
   CLOTH_TRY(cloth_grow(sim, p, "friction_elastic", row * n, &p->friction_elastic, err));
   CLOTH_TRY(cloth_grow(sim, p, "friction_trial", row * n, &p->friction_trial, err));
   CLOTH_TRY(cloth_grow(sim, p, "friction_bound", sizeof(cloth_real) * n, &p->friction_bound, err));
+  CLOTH_TRY(
+      cloth_grow(sim, p, "friction_secant", sizeof(cloth_real) * n, &p->friction_secant, err));
   CLOTH_TRY(cloth_grow(sim, p, "friction_state", n, &p->friction_state, err));
   p->friction_capacity = (uint32_t)(n + n / 2);
   return CLOTH_OK;
@@ -87,7 +89,7 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
                                    .thickness = p->contact_thickness,
                                    .k = p->contact_k,
                                    .mu = p->contact_mu,
-                                   .stiffness = (cloth_real)sim->params.contact_stiffness,
+                                   .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                    .x_t0 = p->x_t0,
                                    .x = p->x,
                                    .limit = cloth_friction_limit(sim),

@@ -19,7 +19,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS }; // places in part->counter
+enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS };      // places in part->counter
+enum { COUNT_VAST = COUNT_PAIRS };                     // until pairs are counted
+enum { ENTRIES_USUAL = 64, ENTRIES_ALWAYS = 1 << 16 }; // cells for each triangle, and for all
 
 cloth_status cloth_count_read(cloth_sim *sim, cloth_part *part, int place, uint32_t *out,
                               cloth_error *err)
@@ -95,11 +97,11 @@ static cloth_status list_near_triangles(cloth_sim *sim, cloth_part *p, int n, cl
   return sim->backend->write(p->device, p->body_triangle, list, sizeof *list * (size_t)n, err);
 }
 
-// cells about as large as a swept triangle's box; the grid spans the cloth
-static cloth_grid choose_grid(const cloth_sim *sim, double gap, double slack)
+// cells about as large as a swept triangle's box, times `coarser`; the grid spans the cloth
+static cloth_grid choose_grid(const cloth_sim *sim, double gap, double slack, double coarser)
 {
   double sweep = fmin(sim->speed_last * sim->h, 4 * sim->mean_edge);
-  double cell = 1.2 * sim->mean_edge + gap + 2 * slack + 0.7 * sweep;
+  double cell = coarser * (1.2 * sim->mean_edge + gap + 2 * slack + 0.7 * sweep);
   double lo[3] = {(double)sim->cloth_box.lo.x, (double)sim->cloth_box.lo.y,
                   (double)sim->cloth_box.lo.z};
   double hi[3] = {(double)sim->cloth_box.hi.x, (double)sim->cloth_box.hi.y,
@@ -134,6 +136,8 @@ typedef struct hash {
   int entries, units, large;
 } hash;
 
+// The capacities noted are what was asked for: a buffer that happens to be large enough is not
+// grown, so what it holds beyond the request must not be counted on.
 static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cloth_error *err)
 {
   if (entries <= p->cell_capacity) return CLOTH_OK;
@@ -142,42 +146,62 @@ static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cl
   CLOTH_TRY(cloth_grow(sim, p, "cell_triangle", 4 * entries, &p->cell_triangle, err));
   CLOTH_TRY(cloth_grow(sim, p, "cell_triangle_spare", 4 * entries, &p->cell_triangle_spare, err));
   CLOTH_TRY(cloth_grow(sim, p, "work", 4 * (entries + 1), &p->work, err));
-  p->cell_capacity = (uint32_t)(entries + entries / 2);
+  p->cell_capacity = (uint32_t)entries;
   return CLOTH_OK;
+}
+
+static cloth_status grow_active(cloth_sim *sim, cloth_part *p, size_t active, cloth_error *err)
+{
+  if (active <= p->active_capacity) return CLOTH_OK;
+  CLOTH_TRY(cloth_grow(sim, p, "cells", 4 * (active + 1), &p->cells, err));
+  CLOTH_TRY(cloth_grow(sim, p, "large", 4 * (active + 1), &p->large, err));
+  p->active_capacity = (uint32_t)active;
+  return CLOTH_OK;
+}
+
+// Cells of every triangle, counted and scanned. Cells that are too small for triangles of this size
+// (a solve that has run away, a mesh of very unequal triangles) are doubled: memory stays bounded,
+// and which pairs are found does not depend on the grid.
+static cloth_status count_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+{
+  const cloth_backend *be = sim->backend;
+  size_t usual = ENTRIES_ALWAYS + (size_t)ENTRIES_USUAL * (size_t)h->active;
+  cloth_box all = cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, (cloth_real)h->slack);
+  for (double coarser = 1;; coarser *= 2) {
+    h->grid = choose_grid(sim, h->gap, h->slack, coarser);
+    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LARGE, 2, err));
+    cloth_cell_count_args count = {.grid = h->grid,
+                                   .gap = (cloth_real)(h->gap / 2),
+                                   .cloth_triangles = sim->triangle_count,
+                                   .body_triangle = p->body_triangle,
+                                   .box = p->triangle_box,
+                                   .count = p->cells,
+                                   .large = p->large,
+                                   .large_count = p->counter + COUNT_LARGE,
+                                   .vast_count = p->counter + COUNT_VAST};
+    cloth_box_store(count.cloth_box, 0, all);
+    CLOTH_LAUNCH(sim, p, cell_count, h->active, &count, err);
+    CLOTH_TRY(be->scan(p->device, h->active, p->cells, err));
+    uint32_t entries, found[2];
+    CLOTH_TRY(be->read(p->device, &entries, p->cells + h->active, sizeof entries, err));
+    CLOTH_TRY(be->read(p->device, found, p->counter + COUNT_LARGE, sizeof found, err));
+    h->entries = (int)entries, h->large = (int)found[0];
+    bool one = h->grid.size[0] == 1 && h->grid.size[1] == 1 && h->grid.size[2] == 1;
+    if (one || (found[1] == 0 && entries <= usual)) return CLOTH_OK;
+  }
 }
 
 static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
 {
-  const cloth_backend *be = sim->backend;
   cloth_real gap = (cloth_real)(h->gap / 2);
-  if ((uint32_t)h->active >= p->active_capacity) {
-    CLOTH_TRY(cloth_grow(sim, p, "cells", 4 * ((size_t)h->active + 1), &p->cells, err));
-    CLOTH_TRY(cloth_grow(sim, p, "large", 4 * ((size_t)h->active + 1), &p->large, err));
-    p->active_capacity = (uint32_t)(h->active + h->active / 2);
-  }
-  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LARGE, 2, err));
-  cloth_cell_count_args count = {.grid = h->grid,
-                                 .gap = gap,
-                                 .cloth_triangles = sim->triangle_count,
-                                 .body_triangle = p->body_triangle,
-                                 .box = p->triangle_box,
-                                 .count = p->cells,
-                                 .large = p->large,
-                                 .large_count = p->counter + COUNT_LARGE};
-  cloth_box all = cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, (cloth_real)h->slack);
-  cloth_box_store(count.cloth_box, 0, all);
-  CLOTH_LAUNCH(sim, p, cell_count, h->active, &count, err);
-  CLOTH_TRY(be->scan(p->device, h->active, p->cells, err));
-  uint32_t entries, large;
-  CLOTH_TRY(be->read(p->device, &entries, p->cells + h->active, sizeof entries, err));
-  CLOTH_TRY(cloth_count_read(sim, p, COUNT_LARGE, &large, err));
-  h->entries = (int)entries, h->large = (int)large;
-  CLOTH_TRY(grow_cells(sim, p, entries, err));
+  CLOTH_TRY(grow_active(sim, p, (size_t)h->active, err));
+  CLOTH_TRY(count_cells(sim, p, h, err));
+  CLOTH_TRY(grow_cells(sim, p, (size_t)h->entries, err));
   cloth_cell_fill_args fill = {h->grid,         gap,      sim->triangle_count, p->body_triangle,
                                p->triangle_box, p->cells, p->cell_key,         p->cell_triangle};
   CLOTH_LAUNCH(sim, p, cell_fill, h->active, &fill, err);
-  return be->sort(p->device, h->entries, key_bits(&h->grid), p->cell_key, p->cell_triangle,
-                  p->cell_key_spare, p->cell_triangle_spare, err);
+  return sim->backend->sort(p->device, h->entries, key_bits(&h->grid), p->cell_key,
+                            p->cell_triangle, p->cell_key_spare, p->cell_triangle_spare, err);
 }
 
 static cloth_status weigh_cells(cloth_sim *sim, cloth_part *p, hash *h, const cloth_pair_mesh *mesh,
@@ -218,7 +242,7 @@ static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, const hash *h, clo
 cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, double slack,
                                  cloth_pairs_wanted wanted, cloth_error *err)
 {
-  hash h = {.grid = choose_grid(sim, gap, slack), .gap = gap, .slack = slack};
+  hash h = {.gap = gap, .slack = slack};
   int near = count_near_triangles(sim);
   h.active = sim->triangle_count + near;
   CLOTH_TRY(list_near_triangles(sim, p, near, err));
@@ -276,7 +300,7 @@ cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err)
 
 cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error *err)
 {
-  CLOTH_TRY(search(sim, gap, sim->params.pair_slack / 4, err));
+  CLOTH_TRY(search(sim, gap, sim->params.pair_slack, err));
   sim->pairs_valid = true, sim->pairs_for_contacts = false;
   return CLOTH_OK;
 }

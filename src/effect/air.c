@@ -54,9 +54,9 @@ static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
                        .material = p->drag_material,
                        .drag = p->drag_coefficient,
                        .half_density = (cloth_real)(q->air_density / 2),
-                       .inverse_step = (cloth_real)(1 / sim->h),
+                       .inverse_step = (cloth_real)(1 / sim->gamma),
                        .x = p->x,
-                       .x_t0 = p->x_t0,
+                       .x_t0 = cloth_step_from(sim, p),
                        .force = p->drag_force,
                        .tangent = p->drag_tangent};
   for (int k = 0; k < 3; k++) a.wind[k] = (cloth_real)(swell * q->wind[k]);

@@ -126,20 +126,21 @@ static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
   int n = p->bend.count;
   if (p->bend.corners == 6) {
     cloth_bend_shape_args a = {
-        p->bend.vertex,   p->bend_stiffness, p->bend_rest,  p->bend_damping, p->bend_direction,
-        p->bend_measured, p->bend_material,  p->x,          p->x_t0,         p->free,
-        p->bend_force,    p->bend_gradient,  p->bend_weight};
+        p->bend.vertex,          p->bend_stiffness, p->bend_rest,     p->bend_damping,
+        p->bend_direction,       p->bend_measured,  p->bend_material, p->x,
+        cloth_step_from(sim, p), p->free,           p->bend_force,    p->bend_gradient,
+        p->bend_weight};
     return cloth_launch(sim, p, CLOTH_KERNEL_bend_shape, n, &a, err);
   }
   if (p->bend_constant) {
     cloth_bend_quadratic_args a = {
-        p->bend.vertex, p->bend_stiffness, p->bend_constant, p->bend_damping, p->x,
-        p->x_t0,        p->free,           p->bend_force,    p->bend_weight};
+        p->bend.vertex,          p->bend_stiffness, p->bend_constant, p->bend_damping, p->x,
+        cloth_step_from(sim, p), p->free,           p->bend_force,    p->bend_weight};
     return cloth_launch(sim, p, CLOTH_KERNEL_bend_quadratic, n, &a, err);
   }
   cloth_bend_args a = {
-      p->bend.vertex, p->bend_stiffness, p->bend_rest,  p->bend_damping,  p->x,
-      p->x_t0,        p->free,           p->bend_force, p->bend_gradient, p->bend_weight};
+      p->bend.vertex,          p->bend_stiffness, p->bend_rest,  p->bend_damping,  p->x,
+      cloth_step_from(sim, p), p->free,           p->bend_force, p->bend_gradient, p->bend_weight};
   return cloth_launch(sim, p, CLOTH_KERNEL_bend, n, &a, err);
 }
 

@@ -80,6 +80,27 @@ static cloth_status upload_measured(cloth_sim *sim, cloth_part *part, cloth_erro
                            &part->membrane_measured, err);
 }
 
+enum { LIMIT_STIFFENING = 100 }; // slope beyond the strain limit, in stretch stiffnesses
+
+// where fabrics lock and how hard, if one does
+static cloth_status upload_limit(cloth_sim *sim, cloth_part *part, cloth_error *err)
+{
+  double law[2 * 64];
+  bool any = false;
+  for (int c = 0; c < sim->def->cloth_count; c++) {
+    const cloth_material *m = &sim->def->cloth[c].material;
+    double most = fmax(m->stretch_warp, m->stretch_weft), e = m->strain_limit;
+    for (int k = 0; k < 24 && m->measured_stretching[0] > 0; k++)
+      if (k % 4 == 0 || k % 4 == 2) most = fmax(most, 2 * m->measured_stretching[k]);
+    law[2 * c] = e + e * e / 2; // Green strain
+    law[2 * c + 1] = e > 0 ? LIMIT_STIFFENING * most : 0;
+    any |= e > 0;
+  }
+  if (!any) return CLOTH_OK;
+  return cloth_upload_real(sim, part, "limit", law, 2 * sim->def->cloth_count,
+                           &part->membrane_limit, err);
+}
+
 static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
   double stiffness[4 * 64];
@@ -96,6 +117,7 @@ static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
           sim->def->cloth[c].name, m->poisson, m->stretch_warp, m->stretch_weft);
   }
   CLOTH_TRY(upload_measured(sim, part, err));
+  CLOTH_TRY(upload_limit(sim, part, err));
   size_t n = (size_t)part->membrane.count;
   CLOTH_TRY(cloth_upload_real(sim, part, "stiffness", stiffness, 4 * cloths,
                               &part->membrane_stiffness, err));
@@ -111,16 +133,10 @@ static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
 
 static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  cloth_membrane_args a = {p->membrane.vertex,
-                           p->membrane_rest,
-                           p->membrane_material,
-                           p->membrane_stiffness,
-                           p->membrane_measured,
-                           p->membrane_damping,
-                           p->x,
-                           p->x_t0,
-                           p->membrane_force,
-                           p->membrane_tangent};
+  cloth_membrane_args a = {
+      p->membrane.vertex,      p->membrane_rest,  p->membrane_material, p->membrane_stiffness,
+      p->membrane_measured,    p->membrane_limit, p->membrane_damping,  p->x,
+      cloth_step_from(sim, p), p->membrane_force, p->membrane_tangent};
   return cloth_launch(sim, p, CLOTH_KERNEL_membrane, p->membrane.count, &a, err);
 }
 

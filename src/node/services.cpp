@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <ros/init.h>
-#include <sstream>
 
 namespace robot_cloth {
 namespace {
@@ -250,10 +249,7 @@ bool Services::getInfo(GetInfoRequest &, GetInfoResponse &response)
   for (int e = 0; e < cloth_effect_count(); e++) {
     cloth_effect_info info = {};
     if (cloth_effect_describe(scene, e, &info, nullptr) != CLOTH_OK) continue;
-    std::ostringstream line;
-    line << info.name << ": " << (info.active ? "on" : "off") << ", " << info.why << ", "
-         << info.memory_bytes << " B";
-    response.effects.push_back(line.str());
+    response.effects.push_back(effectText(info, simulation_.stepsTaken()));
   }
   response.parameters = world.parameters;
   if (world.robot)

@@ -323,7 +323,13 @@ void Simulation::readContacts(Snapshot *s)
 
 std::string Simulation::summary() const
 {
-  return summary_.text(checker_->totals(), clock_.skipped());
+  std::string text = summary_.text(checker_->totals(), clock_.skipped());
+  for (int e = 0; e < cloth_effect_count(); e++) {
+    cloth_effect_info info = {};
+    if (cloth_effect_describe(world_->scene.get(), e, &info, nullptr) == CLOTH_OK)
+      text += "\neffect                " + effectText(info, summary_.steps());
+  }
+  return text;
 }
 
 Health Simulation::health() const

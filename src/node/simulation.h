@@ -76,6 +76,7 @@ public:
   bool finished() const { return finished_; } // run_duration is over, or the scene is lost
   bool lost() const { return lost_; }
   std::string summary() const;
+  uint64_t stepsTaken() const { return summary_.steps(); }
   Health health() const;
 
 private:

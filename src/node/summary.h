@@ -18,6 +18,7 @@ public:
   double realTimeFactor() const { return recent_wall_ > 0 ? recent_sim_ / recent_wall_ : 0; }
 
   /// Several lines: steps, real-time factor, worst stretch, contacts, intersections (if checked).
+  uint64_t steps() const { return steps_; }
   std::string text(const CrossChecker::Totals &checks, double skipped) const;
 
 private:

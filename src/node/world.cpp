@@ -1,8 +1,10 @@
 #include "world.h"
 
+#include <iomanip>
 #include <ros/console.h>
 #include <ros/init.h>
 #include <ros/time.h>
+#include <sstream>
 
 namespace robot_cloth {
 namespace {
@@ -137,10 +139,20 @@ std::unique_ptr<World> loadWorld(const Settings &s, const ros::NodeHandle &nh,
   for (int i = 0; i < cloth_effect_count(); i++) {
     cloth_effect_info info = {};
     if (cloth_effect_describe(scene, i, &info, &err) == CLOTH_OK)
-      ROS_INFO_STREAM("effect " << info.name << ": " << (info.active ? "on" : "off") << " ("
-                                << info.why << ")");
+      ROS_INFO_STREAM("effect " << effectText(info, 0));
   }
   return world;
+}
+
+std::string effectText(const cloth_effect_info &e, uint64_t steps)
+{
+  std::ostringstream line;
+  line << e.name << ": " << (e.active ? "on" : "off") << ", " << e.why;
+  if (!e.active) return line.str();
+  line << ", " << e.memory_bytes << " B";
+  if (steps > 0 && e.ms > 0)
+    line << ", " << std::setprecision(3) << e.ms / static_cast<double>(steps) << " ms a step";
+  return line.str();
 }
 
 } // namespace robot_cloth

@@ -34,6 +34,9 @@ struct World {
   std::vector<std::string> clothNames() const;
 };
 
+/// An effect for logs: active or not, why, its memory and, after some steps, the time of its kernels.
+std::string effectText(const cloth_effect_info &effect, uint64_t steps);
+
 /// Read the scene file and robot_description and build everything. Blocks for mesh files and, for
 /// at most robot_timeout of wall time, for robot_description. StartError names what to fix; nothing
 /// is left behind.

@@ -16,7 +16,7 @@ cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err)
     cloth_part *p = &sim->part[i];
     cloth_assemble_row_args a = {
         .first = p->v0,
-        .inverse_step = (cloth_real)(1 / sim->h),
+        .inverse_step = (cloth_real)(1 / sim->gamma),
         .mass = p->mass,
         .mass_drag = sim->active[CLOTH_EFFECT_damping] ? p->mass_drag : NULL,
         .x = p->x,

@@ -143,7 +143,8 @@ cloth_status cloth_sim_effect_describe(const void *data, int effect, cloth_effec
                              .source = cloth_effects[effect]->source,
                              .active = sim->active[effect],
                              .memory_bytes = sim->effect_bytes[effect],
-                             .launches = sim->effect_launches[effect]};
+                             .launches = sim->effect_launches[effect],
+                             .ms = sim->effect_ms[effect]};
   snprintf(out->why, sizeof out->why, "%s", sim->why[effect]);
   return CLOTH_OK;
 }

@@ -9,6 +9,8 @@
 #include "impact_find.h"
 #include "pcg.h"
 #include "solve/hats.h"
+#include "state/bdf2.h"
+#include "state/flight.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,6 +43,8 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
     CLOTH_TRY(sim->backend->event_new(part->device, &part->sent, err));
     CLOTH_TRY(sim->backend->event_new(part->device, &part->stage_begin, err));
     CLOTH_TRY(sim->backend->event_new(part->device, &part->stage_end, err));
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_begin, err));
+    CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_end, err));
   }
   return CLOTH_OK;
 }
@@ -55,7 +59,8 @@ static cloth_status take_reals(cloth_sim *sim, cloth_part *p, const char *name, 
 
 static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  int n = sim->vertex_count, all = cloth_is_mass_spring(sim) ? n : sim->all_vertices;
+  bool alone = cloth_is_mass_spring(sim) || cloth_flies(sim); // vertices of bodies have no use
+  int n = sim->vertex_count, all = alone ? n : sim->all_vertices;
   CLOTH_TRY(take_reals(sim, p, "x_t0", all, 3, &p->x_t0, err));
   CLOTH_TRY(take_reals(sim, p, "x", all, 3, &p->x, err));
   CLOTH_TRY(take_reals(sim, p, "v", n, 3, &p->v, err));
@@ -81,6 +86,7 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
   CLOTH_TRY(take_reals(sim, p, "box_of_chunk", sim->chunks, 6, &p->box_of_chunk, err));
+  CLOTH_TRY(take_reals(sim, p, "balance", 1, 3, &p->balance, err));
   return take_reals(sim, p, "largest", sim->chunks, 1, &p->largest, err);
 }
 
@@ -111,6 +117,8 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
                          sizeof(int) * 2 * (size_t)sim->all_edges, &p->edge_side, err));
   CLOTH_TRY(cloth_upload(sim, p, "edge_flat", sim->edge_flat, (size_t)sim->all_edges, &p->edge_flat,
                          err));
+  CLOTH_TRY(cloth_upload(sim, p, "vertex_flat", sim->vertex_flat,
+                         (size_t)(sim->all_vertices - sim->vertex_count), &p->vertex_flat, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
   CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 8, &p->counter, err));
@@ -174,6 +182,7 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->all_vertices + 16, err));
   CLOTH_TRY(take_vertices(sim, p, err));
   if (cloth_is_mass_spring(sim)) return cloth_springs_upload(sim, p, err);
+  if (cloth_flies(sim)) return cloth_flight_take(sim, p, err);
   // worth it when there is something stiff to solve and more than a patch of it
   bool coarser = sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
   bool two = coarser && sim->params.preconditioner == CLOTH_TWO_LEVEL;
@@ -184,6 +193,7 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   if (coarser && sim->params.preconditioner == CLOTH_MULTILEVEL)
     CLOTH_TRY(cloth_hats_build(sim, p, err));
   CLOTH_TRY(take_solve(sim, p, err));
+  CLOTH_TRY(cloth_bdf2_take(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
@@ -211,6 +221,8 @@ void cloth_sim_free(void *data)
     sim->backend->event_free(part->sent);
     sim->backend->event_free(part->stage_begin);
     sim->backend->event_free(part->stage_end);
+    sim->backend->event_free(part->launch_begin);
+    sim->backend->event_free(part->launch_end);
   }
   for (int p = 0; p < sim->part_count; p++) sim->backend->close(sim->part[p].device);
   for (int h = 0; h < sim->hold_capacity; h++) {
@@ -225,8 +237,9 @@ void cloth_sim_free(void *data)
   free(sim->blocking.body);
   cloth_bend_rest_free(sim->bend_rest);
   cloth_springs_free(&sim->springs);
-  free(sim->edge_side), free(sim->edge_flat), free(sim->hinge), free(sim->hinge_triangle),
-      free(sim->rest), free(sim->mass), free(sim->host), free(sim->held_index);
+  free(sim->edge_side), free(sim->edge_flat), free(sim->vertex_flat), free(sim->hinge),
+      free(sim->hinge_triangle), free(sim->rest), free(sim->mass), free(sim->host),
+      free(sim->held_index);
   free(sim);
 }
 

@@ -89,6 +89,7 @@ cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err)
   sim->held_count = sim->compliant_count = 0;
   cloth_tangles_suspect(sim); // what a gripper held may reach into its fingers
   sim->springs.holds_known = false;
+  sim->bdf2.known = false;
   for (int h = 0; h < sim->hold_count; h++) {
     cloth_hold_state *hold = &sim->hold[h];
     if (!hold->alive) continue;
@@ -168,6 +169,17 @@ static cloth_status measure_held(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
+void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],
+                          const double f[3])
+{
+  double arm[3];
+  for (int k = 0; k < 3; k++) arm[k] = x[k] - frame->position[k], hold->force[k] += f[k];
+  for (int k = 0; k < 3; k++) {
+    int a = (k + 1) % 3, b = (k + 2) % 3;
+    hold->torque[k] += arm[a] * f[b] - arm[b] * f[a];
+  }
+}
+
 // a rigid hold's force is minus the residual of its rows; a spring's is its own
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err)
 {
@@ -180,17 +192,13 @@ cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err)
     cloth_pose frame = cloth_hold_frame(sim, hold, 1);
     for (int i = 0; i < hold->count; i++) {
       const cloth_real *x = sim->host + 6 * (hold->first + i), *r = x + 3;
-      double f[3], arm[3], aim[3];
+      double f[3], at[3], aim[3];
       cloth_pose_point(&frame, hold->local + 3 * i, aim);
       for (int k = 0; k < 3; k++) {
-        f[k] = hold->rigid ? -(double)r[k] : hold->stiffness * (aim[k] - (double)x[k]);
-        arm[k] = (double)x[k] - frame.position[k];
-        hold->force[k] += f[k];
+        at[k] = (double)x[k];
+        f[k] = hold->rigid ? -(double)r[k] : hold->stiffness * (aim[k] - at[k]);
       }
-      for (int k = 0; k < 3; k++) {
-        int a = (k + 1) % 3, b = (k + 2) % 3;
-        hold->torque[k] += arm[a] * f[b] - arm[b] * f[a];
-      }
+      cloth_hold_add_force(hold, &frame, at, f);
     }
   }
   return CLOTH_OK;

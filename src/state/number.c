@@ -93,7 +93,7 @@ static void number_triangles(cloth_sim *sim, int c, sorter *s)
   }
 }
 
-// a plane is unbounded; the square that stands for it reaches farther than cloth goes
+// a plane is a large square
 static double plane_spread(const cloth_mesh *m)
 {
   const double reach = 50; // m; larger would cost digits in float
@@ -231,6 +231,7 @@ static void weigh(cloth_sim *sim)
     cloth_rest_triangle(sim, t, rest);
     double third = rest[4] * sim->def->cloth[cloth_of_triangle(sim, t)].material.density / 3;
     for (int k = 0; k < 3; k++) sim->mass[sim->triangle[3 * t + k]] += third;
+    sim->mass_total += 3 * third;
     edges += sqrt(rest[4] * 4 / sqrt(3.0)); // of an equilateral triangle of that area
   }
   sim->mean_edge = edges / sim->triangle_count;

@@ -139,7 +139,7 @@ void cloth_guess_free_fall(cloth_sim *sim)
   bool falls = sim->active[CLOTH_EFFECT_gravity];
   for (int i = 0; i < 3 * sim->def->cloth_count; i++)
     sim->acceleration[i] = falls ? sim->params.gravity[i % 3] : 0;
-  sim->mean_known = false;
+  sim->mean_known = sim->bdf2.known = false, sim->substeps_crowded = 0;
 }
 
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err)
@@ -149,12 +149,13 @@ cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_e
     body->t0 = cloth_pose_between(body->now, body->target, from);
     body->t1 = cloth_pose_between(body->now, body->target, to);
   }
-  cloth_predict_args a = {.h = (cloth_real)sim->h};
+  cloth_predict_args a = {.h = (cloth_real)sim->gamma};
   for (int k = 0; k < 3 && sim->active[CLOTH_EFFECT_gravity]; k++)
     a.gravity[k] = (cloth_real)sim->params.gravity[k];
   for (int p = 0; p < sim->part_count; p++) {
     cloth_part *part = &sim->part[p];
-    a.x_t0 = part->x_t0, a.v = part->v, a.x_pred = part->x_pred, a.x = part->x;
+    a.x_t0 = cloth_step_from(sim, part), a.v = cloth_step_velocity(sim, part);
+    a.x_pred = part->x_pred, a.x = part->x;
     a.mass_drag = sim->active[CLOTH_EFFECT_damping] ? part->mass_drag : NULL;
     sim->owner = sim->active[CLOTH_EFFECT_gravity] ? CLOTH_EFFECT_gravity : CLOTH_CORE;
     for (int c = 0; c < sim->def->cloth_count; c++) {
@@ -185,7 +186,7 @@ cloth_status cloth_freeze_bodies_at(cloth_sim *sim, double share, cloth_error *e
     body->t0 = body->t1 =
         share > 0 ? cloth_pose_between(body->now, body->target, share) : body->now;
   }
-  return move_bodies(sim, err);
+  return sim->active[CLOTH_EFFECT_body_contact] ? move_bodies(sim, err) : CLOTH_OK;
 }
 
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err)

@@ -18,8 +18,9 @@ typedef struct file_header {
   double time;
   int64_t step;
   int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, friction;
-  int32_t tangles, pad; // tangles: 1: known to be free of them, 2: settling
-  uint64_t body_bytes; // bytes after the vectors
+  int32_t tangles, substeps; // tangles: 1: known to be free of them, 2: settling
+  int32_t history, pad;      // of bdf2: 1: is there
+  uint64_t body_bytes;       // bytes after the vectors
 } file_header;
 
 typedef struct file_body {
@@ -50,15 +51,19 @@ static uint64_t mesh_digest(const cloth_sim *sim)
   return digest(h, sim->rest, sizeof(double) * 3 * (size_t)sim->vertex_count);
 }
 
+// positions and velocities, and of bdf2 those before, if they are known
 static cloth_status read_state(cloth_sim *sim, cloth_real **x, cloth_error *err)
 {
   size_t n = 3 * (size_t)sim->vertex_count;
-  CLOTH_TRY(cloth_staging(sim, 2 * n, err));
+  const cloth_part *p = &sim->part[0];
+  const cloth_real *vector[] = {p->x_t0, p->v, p->x_last, p->v_last};
+  int count = sim->bdf2.known ? 4 : 2;
+  CLOTH_TRY(cloth_staging(sim, (size_t)count * n, err));
   *x = sim->host;
-  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].x_t0,
-                               sizeof(cloth_real) * n, err));
-  return sim->backend->read(sim->part[0].device, sim->host + n, sim->part[0].v,
-                            sizeof(cloth_real) * n, err);
+  for (int i = 0; i < count; i++)
+    CLOTH_TRY(sim->backend->read(p->device, sim->host + (size_t)i * n, vector[i],
+                                 sizeof(cloth_real) * n, err));
+  return CLOTH_OK;
 }
 
 cloth_status cloth_sim_hash(void *data, uint64_t *out, cloth_error *err)
@@ -67,7 +72,8 @@ cloth_status cloth_sim_hash(void *data, uint64_t *out, cloth_error *err)
   cloth_real *x;
   CLOTH_TRY(read_state(sim, &x, err));
   uint64_t h = digest(DIGEST_START, &sim->time, sizeof sim->time);
-  *out = digest(h, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
+  if (sim->bdf2.known) h = digest(h, &sim->bdf2.h_last, sizeof sim->bdf2.h_last);
+  *out = digest(h, x, sizeof(cloth_real) * (sim->bdf2.known ? 12 : 6) * (size_t)sim->vertex_count);
   return CLOTH_OK;
 }
 
@@ -112,7 +118,9 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x,
   head.bodies = sim->def->body_count, head.holds = sim->hold_count;
   head.cloths = sim->def->cloth_count, head.mean_known = sim->mean_known;
   head.pins = sim->def->pin_count, head.friction = friction_count;
+  head.history = sim->bdf2.known;
   head.tangles = (sim->tangles.known_free ? 1 : 0) + (sim->tangles.settling ? 2 : 0);
+  head.substeps = sim->substeps_crowded;
   put(w, &head, sizeof head);
   put(w, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
   put(w, sim->pin_broken, (size_t)sim->def->pin_count);
@@ -126,6 +134,10 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x,
   }
   for (int h = 0; h < sim->hold_count; h++) put_hold(w, sim, &sim->hold[h]);
   put(w, friction, sizeof *friction * (size_t)friction_count);
+  if (sim->bdf2.known) {
+    put(w, &sim->bdf2.h_last, sizeof sim->bdf2.h_last);
+    put(w, x + 6 * (size_t)sim->vertex_count, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
+  }
   uint64_t sum = w->sum;
   put(w, &sum, sizeof sum);
 }
@@ -304,10 +316,18 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   for (int h = 0; h < head.holds; h++) CLOTH_TRY(load_hold(sim, &r, h, &held, err));
   sim->hold_count = head.holds > sim->hold_count ? head.holds : sim->hold_count;
   CLOTH_TRY(load_friction(sim, &r, head.friction, err));
+  const void *h_last = head.history ? take(&r, sizeof(double)) : NULL;
+  const unsigned char *history = head.history ? take(&r, 2 * bytes) : NULL;
+  if (head.history && (h_last == NULL || history == NULL))
+    CLOTH_FAIL(err, CLOTH_BAD_STATE, "the state file ends inside the history of bdf2");
+  bool known = history != NULL && sim->params.integrator == CLOTH_BDF2;
   for (int p = 0; p < sim->part_count; p++) {
     cloth_part *part = &sim->part[p];
     CLOTH_TRY(sim->backend->write(part->device, part->x_t0, x, bytes, err));
     CLOTH_TRY(sim->backend->write(part->device, part->v, x + bytes, bytes, err));
+    if (!known) continue;
+    CLOTH_TRY(sim->backend->write(part->device, part->x_last, history, bytes, err));
+    CLOTH_TRY(sim->backend->write(part->device, part->v_last, history + bytes, bytes, err));
   }
   for (int b = 0; b < head.bodies; b++) {
     file_body f;
@@ -316,10 +336,12 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   }
   memcpy(sim->pin_broken, broken, (size_t)head.pins);
   memcpy(sim->mean_velocity, mean, means), memcpy(sim->acceleration, acceleration, means);
-  sim->mean_known = head.mean_known;
+  sim->mean_known = head.mean_known, sim->substeps_crowded = head.substeps;
   sim->time = head.time, sim->step = head.step;
   sim->pairs_valid = false;
   CLOTH_TRY(cloth_holds_refresh(sim, err));
+  sim->bdf2.known = known;
+  if (known) memcpy(&sim->bdf2.h_last, h_last, sizeof(double));
   sim->tangles.known_free = head.tangles & 1, sim->tangles.settling = head.tangles & 2;
   cloth_blocking_clear(sim);
   return CLOTH_OK;

@@ -67,6 +67,10 @@ typedef struct cloth_part {
   int *body_of;              // [all - n]
   cloth_real *body_friction; // [bodies]
 
+  // integrator bdf2: the substep before, the same at the start of the step; where a substep starts
+  cloth_real *x_last, *v_last, *x_last_saved, *v_last_saved; // [n x 3] m, m/s
+  cloth_real *x_from, *v_from;                               // [n x 3] m, m/s
+
   // holds: pins and grasps; allocated when there is one
   cloth_real *target;         // [n x 3] m
   cloth_real *hold_stiffness; // [n] N/m, or NULL while no hold is compliant
@@ -83,15 +87,17 @@ typedef struct cloth_part {
   cloth_real *membrane_force, *membrane_tangent;     // [count x 9], [count x 45]
   cloth_real *drag_coefficient, *drag_force, *drag_tangent;
   cloth_real *bend_stiffness, *bend_rest, *bend_damping, *bend_force, *bend_gradient, *bend_weight;
-  cloth_real *membrane_measured; // [cloths x 24] N/m, or NULL: no measured fabric
+  cloth_real *membrane_measured;              // [cloths x 24] N/m, or NULL: no measured fabric
+  cloth_real *membrane_limit;                 // [cloths x 2] 1, N/m, or NULL: no strain limit
   cloth_real *bend_direction, *bend_measured; // [bend.count x 6], [cloths x 15] N m, or NULL
   int *bend_material;                         // [bend.count], or NULL
-  cloth_real *bend_constant; // [bend.count x 4] of quadratic bending, else NULL
-  cloth_real *stretch, *stretch_largest; // [membrane.count], [chunks]
+  cloth_real *bend_constant;                  // [bend.count x 4] of quadratic bending, else NULL
+  cloth_real *stretch, *stretch_largest;      // [membrane.count], [chunks]
 
   // pairs
   int *triangle, *triangle_edge, *owns, *edge, *edge_side;
   unsigned char *edge_flat;              // of all cloth and bodies
+  unsigned char *vertex_flat;            // of bodies
   cloth_real *vertex_box, *triangle_box; // [all x 6] m
   int *body_triangle;                    // triangles of near bodies
   uint32_t *cells;                       // [active + 1]
@@ -126,6 +132,7 @@ typedef struct cloth_part {
   // friction: of the contacts, and what is kept from substep to substep (contact/friction.c)
   cloth_real *friction_elastic, *friction_trial; // [contacts x 3] m
   cloth_real *friction_bound;                    // [contacts] N
+  cloth_real *friction_secant;                   // [contacts] N/m
   unsigned char *friction_state;                 // [contacts]
   uint64_t *kept, *kept_saved;                   // [kept_count] keys, now and before the step
   cloth_real *kept_slip, *kept_slip_saved;       // [kept_count x 3] m
@@ -144,13 +151,15 @@ typedef struct cloth_part {
   cloth_real *inverse_diagonal;       // [n x 6]
   cloth_real *partial, *scalar;
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
-  cloth_hats hats;                                     // levels of the solver, see hat.h
-  cloth_real *hat_place, *hat_block, *hat_part;        // [n x 3], [n x 5 x 6], [fine x 12]
-  cloth_real *commit, *largest;  // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
-  cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
-  cloth_real *box_of_chunk;      // [chunks x 6] m
+  cloth_hats hats;                              // levels of the solver, see hat.h
+  cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
+  cloth_real *commit, *largest;                 // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
+  cloth_real *x_saved, *v_saved;                // [n x 3] start of the whole step, for going back
+  cloth_real *balance;                          // [3] m, solve/balance.c
+  cloth_real *box_of_chunk;                     // [chunks x 6] m
   cloth_event *ready, *sent;
-  cloth_event *stage_begin, *stage_end; // with the parameter `profile`
+  cloth_event *stage_begin, *stage_end;   // with the parameter `profile`
+  cloth_event *launch_begin, *launch_end; // with `profile` 2
 } cloth_part;
 
 /// Tables of contact/flat.c: how many tiles and nodes, and where each level's nodes begin.
@@ -158,6 +167,14 @@ typedef struct cloth_flat {
   int tiles, nodes; // 0: nothing is culled
   int level_first[CLOTH_FLAT_LEVELS + 1];
 } cloth_flat;
+
+/// Integrator bdf2 (state/bdf2.h).
+enum { CLOTH_BACKWARD_EULER = 0, CLOTH_BDF2 = 2 }; // a choice of the parameter `integrator`
+typedef struct cloth_bdf2 {
+  bool known, known_saved; // x_last, v_last are those of a substep that this one may build on
+  bool used;               // this substep is of order 2
+  double h_last, h_saved;  // s
+} cloth_bdf2;
 
 /// A rigid body, on the host.
 typedef struct cloth_body {
@@ -200,24 +217,26 @@ struct cloth_sim {
   int edge_count, all_edges;
   int hinge_count;
   int chunks;
-  int aggregates;           // of the coarse level; 0: none
-  int hat_groups;           // of the levels between, entries of `partial` behind the chunks
-  int *cloth_first;         // [cloths + 1] first internal vertex
-  int *triangle_first;      // [cloths + 1]
-  int *order;               // [vertex_count] file order within the cloth, by internal vertex
-  int *internal;            // [vertex_count] internal vertex, by cloth_first + file order
-  int *triangle_order;      // [triangle_count] file order within the cloth, by internal triangle
-  int *triangle;            // [all_triangles x 3]
-  int *edge;                // [all_edges x 2]
-  int *edge_side;           // [all_edges x 2] triangles on it, lowest first; -1: none
-  unsigned char *edge_flat; // [all_edges] 1: between two faces of a body that lie in one plane
-  int *triangle_edge;       // [all_triangles x 3]
-  int *owns;                // [all_triangles]
-  int *hinge;               // [hinge_count x 4] the shared edge, then the corners across from it
-  int *hinge_triangle;      // [hinge_count] one of its two triangles
-  double *rest;             // [vertex_count x 3] m, scene frame at the start
-  double *mass;             // [vertex_count] kg
-  double mean_edge;         // m
+  int aggregates;             // of the coarse level; 0: none
+  int hat_groups;             // of the levels between, entries of `partial` behind the chunks
+  int *cloth_first;           // [cloths + 1] first internal vertex
+  int *triangle_first;        // [cloths + 1]
+  int *order;                 // [vertex_count] file order within the cloth, by internal vertex
+  int *internal;              // [vertex_count] internal vertex, by cloth_first + file order
+  int *triangle_order;        // [triangle_count] file order within the cloth, by internal triangle
+  int *triangle;              // [all_triangles x 3]
+  int *edge;                  // [all_edges x 2]
+  int *edge_side;             // [all_edges x 2] triangles on it, lowest first; -1: none
+  unsigned char *edge_flat;   // [all_edges] 1: between two faces of a body that lie in one plane
+  unsigned char *vertex_flat; // [body vertices] 1: all edges at it are flat
+  int *triangle_edge;         // [all_triangles x 3]
+  int *owns;                  // [all_triangles]
+  int *hinge;                 // [hinge_count x 4] the shared edge, then the corners across from it
+  int *hinge_triangle;        // [hinge_count] one of its two triangles
+  double *rest;               // [vertex_count x 3] m, scene frame at the start
+  double *mass;               // [vertex_count] kg
+  double mass_total;          // kg
+  double mean_edge;           // m
   cloth_bend_rest *bend_rest; // all bending elements, while bending is active
 
   cloth_body *body;
@@ -233,6 +252,7 @@ struct cloth_sim {
   char why[CLOTH_EFFECTS_MAX][160];
   uint64_t effect_bytes[CLOTH_EFFECTS_MAX];
   int64_t effect_launches[CLOTH_EFFECTS_MAX];
+  double effect_ms[CLOTH_EFFECTS_MAX];
   int64_t launches, allocations, growths;
   uint64_t bytes;
   int owner; // of launches and allocations that happen now
@@ -240,7 +260,10 @@ struct cloth_sim {
   // time
   double time, time_t0;
   int64_t step;
-  double h;      // s, of this substep
+  double h;         // s, of this substep
+  double h_contact; // s, that the stiffness of contacts is made from
+  double gamma;     // s, length of the backward Euler step that it is: h, but for bdf2
+  cloth_bdf2 bdf2;
   int iteration; // Newton iteration of this substep
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
@@ -254,8 +277,12 @@ struct cloth_sim {
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
   int impacts_left;      // of this substep
+  double span;           // m, the most that all cloth spans and sweeps in this substep
+  bool smooth;           // nothing touched in this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
+  double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
+  int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;
   cloth_blocking blocking;
   cloth_springs springs; // integrator mass_spring
@@ -295,6 +322,16 @@ cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int 
 static inline bool cloth_is_mass_spring(const cloth_sim *sim)
 {
   return sim->params.integrator == CLOTH_MASS_SPRING;
+}
+
+/// Positions and velocities [n x 3] that the implicit step of this substep starts from.
+static inline const cloth_real *cloth_step_from(const cloth_sim *sim, const cloth_part *p)
+{
+  return sim->bdf2.used ? p->x_from : p->x_t0;
+}
+static inline const cloth_real *cloth_step_velocity(const cloth_sim *sim, const cloth_part *p)
+{
+  return sim->bdf2.used ? p->v_from : p->v;
 }
 
 /// Host staging of at least this many cloth_real.
@@ -366,7 +403,12 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_effects_apply(cloth_sim *sim, int iteration, cloth_error *err);
 cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
+
+/// After a solve: cloth that nothing holds or touches keeps its momentum, whatever residual is
+/// left.
+cloth_status cloth_balance(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
+int cloth_impacts_of_cloth(const cloth_sim *sim); // of cloth with cloth, of those last found
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
 // ---- parts (solve/exchange.c) -------------------------------------------------------------------
@@ -390,6 +432,9 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
+/// f [N] that the hold exerts at x [m] adds to its wrench about its frame.
+void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],
+                          const double f[3]);
 cloth_pose cloth_hold_frame(const cloth_sim *sim, const cloth_hold_state *h, double share);
 void cloth_holds_place(const cloth_sim *sim, double share, cloth_real *aim); // [held_count x 3] m
 cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_error *err);

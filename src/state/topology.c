@@ -100,6 +100,15 @@ static void mark_flat_edges(cloth_sim *sim)
   }
 }
 
+// inside a flat face of a body: only seams meet here
+static void mark_flat_vertices(cloth_sim *sim)
+{
+  memset(sim->vertex_flat, 1, (size_t)(sim->all_vertices - sim->vertex_count));
+  for (int e = sim->edge_count; e < sim->all_edges; e++)
+    for (int k = 0; k < 2 && !sim->edge_flat[e]; k++)
+      sim->vertex_flat[sim->edge[2 * e + k] - sim->vertex_count] = 0;
+}
+
 static void own_vertices(cloth_sim *sim)
 {
   unsigned char *taken = calloc((size_t)sim->all_vertices + 1, 1);
@@ -117,19 +126,21 @@ cloth_status cloth_topology_build(cloth_sim *sim, cloth_error *err)
   size_t n = 3 * (size_t)sim->all_triangles;
   sim->edge = malloc(sizeof(int) * (2 * n + 2));
   sim->edge_flat = calloc(n + 1, 1);
+  sim->vertex_flat = calloc((size_t)(sim->all_vertices - sim->vertex_count) + 1, 1);
   sim->edge_side = malloc(sizeof(int) * (2 * n + 2));
   sim->triangle_edge = malloc(sizeof(int) * (n + 1));
   sim->owns = calloc((size_t)sim->all_triangles + 1, sizeof(int));
   sim->hinge = malloc(sizeof(int) * (2 * n + 4));
   sim->hinge_triangle = malloc(sizeof(int) * (n + 1));
-  if (!sim->edge_flat || !sim->edge_side || !sim->hinge_triangle || !sim->edge ||
-      !sim->triangle_edge || !sim->owns || !sim->hinge)
+  if (!sim->edge_flat || !sim->vertex_flat || !sim->edge_side || !sim->hinge_triangle ||
+      !sim->edge || !sim->triangle_edge || !sim->owns || !sim->hinge)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "topology of %d triangles", sim->all_triangles);
   edge_list l = {0};
   cloth_status status = edge_list_make(sim, &l, err);
   if (status == CLOTH_OK) {
     number_edges(sim, &l);
     mark_flat_edges(sim);
+    mark_flat_vertices(sim);
     own_vertices(sim);
   }
   edge_list_free(&l);

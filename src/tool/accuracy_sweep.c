@@ -53,6 +53,10 @@ const sweep_setting accuracy_sweep[] = {
     {"bending_model", "hinge", .set = {"bending_model=hinge"}},
     {"bending_model", "quadratic", .set = {"bending_model=quadratic"}},
 
+    {"integrator", "bdf2", .set = {"integrator=bdf2"}, .quick = true},
+    {"integrator", "bdf2; step / 2; pcg 1e-3", .step = 1.0 / 2, .set = {"integrator=bdf2", "pcg_tolerance=1e-3"}},
+    {"integrator", "bdf2; step / 4; pcg 1e-3", .step = 1.0 / 4, .set = {"integrator=bdf2", "pcg_tolerance=1e-3"}},
+
     {"combined", "step x 2; mesh / 2; loose", .step = 2, .resolution = 0.5, .set = LOOSE, .quick = true},
     {"combined", "mesh / 2; loose", .resolution = 0.5, .set = LOOSE},
     {"combined", "loose", .set = LOOSE},

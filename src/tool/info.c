@@ -93,7 +93,7 @@ static void print_body(const cloth_body_def *b)
   mesh_figures f = measure(&b->mesh);
   printf("body %s\n", b->name);
   if (b->plane) {
-    printf("  plane, unbounded\n");
+    printf("  plane, 50 m to each side\n");
   } else {
     printf("  %d vertices, %d triangles, %.6g m^2\n", b->mesh.vertex_count, b->mesh.triangle_count,
            f.area);
@@ -134,33 +134,60 @@ static void print_params(const cloth_params *params)
 
 // ---- effects -----------------------------------------------------------------------------------
 
-static cloth_status print_effects(const cloth_scene *scene, cloth_error *err)
+enum { TIMED_STEPS = 20, TIMED_MS = 1000 };
+
+// steps the scene until enough is known of times; the first is not counted: buffers grow in it
+static cloth_status time_effects(cloth_scene *scene, cloth_step_report *last, int *steps,
+                                 double *ms, cloth_error *err)
+{
+  cloth_effect_info e;
+  double spent = 0;
+  for (*steps = -1; *steps < TIMED_STEPS && spent < TIMED_MS; ++*steps) {
+    for (int i = 0; *steps == 0 && i < cloth_effect_count(); i++) {
+      CLOTH_TRY(cloth_effect_describe(scene, i, &e, err));
+      ms[i] = -e.ms;
+    }
+    CLOTH_TRY(cloth_step(scene, 0, last, err));
+    spent += last->wall_ms;
+  }
+  for (int i = 0; i < cloth_effect_count(); i++) {
+    CLOTH_TRY(cloth_effect_describe(scene, i, &e, err));
+    ms[i] = (ms[i] + e.ms) / fmax(1, *steps);
+  }
+  return CLOTH_OK;
+}
+
+// Is it active, why, its memory and its time. What it adds to the shared stages (assembly, solve)
+// is not its own; doc/effects.md has the price of each with all that.
+static cloth_status print_effects(cloth_scene *scene, cloth_error *err)
 {
   uint64_t bytes = 0;
   char text[32];
-  printf("effects\n");
+  double ms[64] = {0};
+  int steps = 0;
+  cloth_step_report last = {0};
+  cloth_error failed = {0};
+  cloth_status status = time_effects(scene, &last, &steps, ms, &failed);
+  printf("effects: active or not, memory, time of their own kernels in a step (mean of %d), why\n",
+         steps > 0 ? steps : 0);
   for (int i = 0; i < cloth_effect_count(); i++) {
     cloth_effect_info e;
+    char time[32] = "";
     CLOTH_TRY(cloth_effect_describe(scene, i, &e, err));
-    printf("  %-16s %-4s %-10s %s\n", e.name, e.active ? "on" : "off",
-           e.active ? tool_bytes(e.memory_bytes, text) : "", e.why);
+    if (e.active && steps > 0) snprintf(time, sizeof time, "%.3f ms", ms[i]);
+    printf("  %-16s %-4s %-10s %-10s %s\n", e.name, e.active ? "on" : "off",
+           e.active ? tool_bytes(e.memory_bytes, text) : "", time, e.why);
     if (e.active && e.source && e.source[0]) printf("  %-16s %s\n", "", e.source);
     bytes += e.memory_bytes;
   }
   printf("memory of effects: %s\n", tool_bytes(bytes, text));
-  return CLOTH_OK;
-}
-
-// What the whole scene holds is known once it has stepped: buffers of contacts grow on demand.
-static void print_memory(cloth_scene *scene)
-{
-  cloth_step_report report = {0};
-  cloth_error ignored = {0};
-  char text[32];
-  if (cloth_step(scene, 0, &report, &ignored) == CLOTH_OK)
-    printf("memory of the scene after one step: %s\n", tool_bytes(report.memory_bytes, text));
+  // what the whole scene holds is known once it has stepped: buffers of contacts grow on demand
+  if (status == CLOTH_OK)
+    printf("memory of the scene after its first steps: %s\n",
+           tool_bytes(last.memory_bytes, text));
   else
-    printf("memory of the scene: unknown, its first step fails: %s\n", ignored.text);
+    printf("memory of the scene: unknown, its first steps fail: %s\n", failed.text);
+  return CLOTH_OK;
 }
 
 static int info_main(const tool_arguments *args, cloth_error *err)
@@ -168,7 +195,12 @@ static int info_main(const tool_arguments *args, cloth_error *err)
   cloth_def *def = NULL;
   cloth_scene *scene = NULL;
   cloth_status status = tool_scene_load(args, args->operand[0], &def, err);
-  if (status == CLOTH_OK) status = cloth_scene_new(def, &scene, err);
+  if (status == CLOTH_OK) {
+    int profile = def->params.profile;
+    def->params.profile = 2; // a GPU times effects only then
+    status = cloth_scene_new(def, &scene, err);
+    def->params.profile = profile;
+  }
   if (status == CLOTH_OK) {
     printf("scene %s\n", def->name[0] ? def->name : args->operand[0]);
     printf("  backend %s (%s), precision %s, parts %d\n", cloth_backend_of(scene),
@@ -179,7 +211,6 @@ static int info_main(const tool_arguments *args, cloth_error *err)
     printf("pins %d\n", def->pin_count);
     print_params(cloth_def_params(def));
     status = print_effects(scene, err);
-    if (status == CLOTH_OK) print_memory(scene);
   }
   cloth_scene_free(scene);
   cloth_def_free(def);
@@ -187,5 +218,5 @@ static int info_main(const tool_arguments *args, cloth_error *err)
 }
 
 const tool_command tool_info = {
-    "info",   "SCENE.yaml", 1, 1, true, options, "meshes, materials, effects and why, memory",
+    "info",   "SCENE.yaml", 1, 1, true, options, "meshes, materials, effects and why, memory, time",
     info_main};

@@ -13,6 +13,7 @@ import csv
 import math
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -24,6 +25,13 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, '..', '..', 'config', 'scenes')
 
 
+MEMORY_LIMIT = 4 << 30  # bytes of addresses; these scenes take a hundredth of it
+
+
+def limit_memory():
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_LIMIT, MEMORY_LIMIT))
+
+
 class Run:
     """One run of a scene: its report, row by row, and its folder of meshes."""
 
@@ -31,16 +39,18 @@ class Run:
         self.folder, self.precision = folder, precision
         command = [cloth, 'run', os.path.join(SCENES, scene.file + '.yaml'), '--variant', scene.variant,
                    '--precision', precision, '--out', folder, '--hash', '--quiet'] + list(more)
-        for setting in scene.settings.get(precision, ()):
-            command += ['--set', setting]
         if steps:
             command += ['--steps', str(steps)]
+        self.run(command, table.TIME_LIMIT)
+
+    def run(self, command, limit):
+        """Runs `cloth run` for at most `limit` s in MEMORY_LIMIT and reads its report."""
         try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=table.TIME_LIMIT)
+            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=limit, preexec_fn=limit_memory)
             self.code, self.message = done.returncode, done.stderr.strip()
         except subprocess.TimeoutExpired:
-            self.code, self.message = -1, 'not done after %g s' % table.TIME_LIMIT
-        path = os.path.join(folder, 'report.csv')
+            self.code, self.message = -1, 'not done after %g s' % limit
+        path = os.path.join(self.folder, 'report.csv')
         self.rows = []
         if os.path.exists(path):
             with open(path, newline='') as file:
@@ -60,6 +70,10 @@ class Run:
         """{file name without step: 'cloth' or 'body'}"""
         with open(os.path.join(self.folder, 'meshes.csv'), newline='') as file:
             return {row['file']: row['kind'] for row in csv.DictReader(file)}
+
+    def written(self):
+        """The steps of which meshes were written, ascending."""
+        return sorted({int(name[-10:-4]) for name in os.listdir(self.folder) if name.endswith('.obj')})
 
     def path(self, name, step):
         return os.path.join(self.folder, '%s_%06d.obj' % (name, step))
@@ -94,9 +108,9 @@ def has_check(cloth):
 
 
 def hits_by_command(cloth, run):
-    """{step: (cloth-cloth, cloth-body)} of the steps with any. Bodies may stand in each other: not counted."""
+    """{step: (cloth-cloth, cloth-body)} of the written steps with any. Bodies may stand in each other: not counted."""
     kinds, hits = run.kinds(), {}
-    for step in range(len(run.rows) + 1):
+    for step in run.written():
         kind_of = {run.path(name, step): kind for name, kind in kinds.items()}
         pairs = os.path.join(run.folder, 'pairs.csv')
         done = subprocess.run([cloth, 'check', '--list', pairs] + list(kind_of), capture_output=True, text=True, check=False)

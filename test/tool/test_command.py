@@ -350,8 +350,10 @@ def info_says_what_is_in_the_scene(tmp):
     r = cloth("info", "s.yaml", "--set", "thickness=0.002", cwd=tmp)
     check(r.returncode == 0, r.stderr)
     for words in ("81 vertices, 128 triangles", "0.04 m^2", "0.012 kg", "body table", "longest 0.03536 m",
-                  "density", "membrane", "gravity", "memory of the scene after one step"):
+                  "density", "membrane", "gravity", "memory of the scene after its first steps"):
         check(words in r.stdout, "no", repr(words), "in", r.stdout)
+    check(re.search(r"membrane +on +[0-9.]+ KiB +[0-9.]+ ms +cloth", r.stdout), r.stdout)
+    check(re.search(r"air +off +air_density", r.stdout), r.stdout)
     check(re.search(r"thickness\s+0.002 m\b", r.stdout), r.stdout)
     check(re.search(r"time_step\s+0.01 s\b", r.stdout), r.stdout)
 

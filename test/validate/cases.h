@@ -11,5 +11,10 @@ void case_heart_loop(int mesh, double gamma, const char *model);
 void case_hanging_sheet(int mesh, int mode);
 void case_catenary(int mesh, double apart); // share of its length between its ends
 
+void case_stick_slips(int quick); // against the curve of ../shared/data, where it is there
+void case_stick_slip(int mesh, double mu, const double *curve, int rows);
+void case_capstan(int mesh, double mu);
+void case_slope(int mesh, double mu);
+
 /// Share of the ring that still shows; within [least, most] is a pass.
 double case_drape(const char *fabric, int rings, double least, double most);

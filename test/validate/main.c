@@ -45,6 +45,22 @@ static void catenaries(void)
   for (int mesh = 0; mesh < (quick ? 1 : STRIP_MESHES); mesh++) case_catenary(mesh, 0.7);
 }
 
+static void stick_slips(void) { case_stick_slips(quick); }
+
+static void capstans(void)
+{
+  static const double mu[] = {0.25, 0.1, 0.5};
+  for (int mesh = 0; mesh < (quick ? 1 : STRIP_MESHES); mesh++)
+    for (int i = 0; i < (quick ? 1 : 3); i++) case_capstan(mesh, mu[i]);
+}
+
+static void slopes(void)
+{
+  static const double mu[] = {0.3, 0.45, 0.5};
+  for (int mesh = 0; mesh < (quick ? 1 : STRIP_MESHES); mesh++)
+    for (int i = 0; i < 3; i++) case_slope(mesh, mu[i]);
+}
+
 // bands of the literature: silk Matsudaira and Yang 2003; cotton Gan, Ly and Steven 1991; wool
 // worsteds; denim and banners by their class
 static void drapes(void)
@@ -52,8 +68,11 @@ static void drapes(void)
   static const struct {
     const char *fabric;
     double least, most;
-  } band[] = {{"cotton", 0.60, 0.76}, {"silk", 0.20, 0.40}, {"flag", 0.20, 0.40},
-              {"denim", 0.70, 0.90},  {"wool", 0.40, 0.70}};
+  } band[] = {{"cotton", 0.60, 0.76},
+              {"silk", 0.20, 0.40},
+              {"flag", 0.20, 0.40},
+              {"denim", 0.70, 0.90},
+              {"wool", 0.40, 0.70}};
   for (int i = 0; i < (quick ? 1 : 5); i++)
     case_drape(band[i].fabric, quick ? 10 : 30, band[i].least, band[i].most);
   for (int rings = 20; rings <= 40 && !quick; rings += 20) // coarser and finer
@@ -66,7 +85,8 @@ static const struct {
 } tests[] = {
     {"reference", case_reference},     {"cantilever", cantilevers}, {"order", mesh_orders},
     {"tip_load", tip_loads},           {"end_moment", end_moments}, {"heart_loop", heart_loops},
-    {"hanging_sheet", hanging_sheets}, {"catenary", catenaries},    {"drape", drapes}};
+    {"hanging_sheet", hanging_sheets}, {"catenary", catenaries},    {"drape", drapes},
+    {"stick_slip", stick_slips},       {"capstan", capstans},       {"slope", slopes}};
 
 int main(int argc, char **argv)
 {

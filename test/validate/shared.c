@@ -25,6 +25,15 @@ static int read_rows(const char *name, int columns, double *out, int most)
   return n;
 }
 
+void case_stick_slips(int quick)
+{
+  static const double mu[] = {0.3, 0.2, 0.25};
+  static double curve[6 * 800];
+  int n = read_rows("stick_slip_clamped_hinged_elastica.csv", 6, curve, 800);
+  for (int mesh = 0; mesh < (quick ? 1 : STRIP_MESHES) && n > 0; mesh++)
+    for (int i = 0; i < (quick ? 1 : 3); i++) case_stick_slip(mesh, mu[i], curve, n);
+}
+
 void case_reference(void)
 {
   static double row[6 * 400];

@@ -92,10 +92,11 @@ static int owner_of_contact(const cloth_sim *sim)
                                                 : CLOTH_EFFECT_body_contact;
 }
 
-// Newton iterations `first` to `last` - 1, and some more where the last still is a large one
-static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
+// Newton iterations `first` to `last` - 1, and up to `further` more where the last still is a large
+// one
+static cloth_status solve(cloth_sim *sim, int first, int last, int further, cloth_error *err)
 {
-  int owner = sim->owner, most = first == 0 && last > 1 ? last + FURTHER_ITERATIONS : last;
+  int owner = sim->owner, most = last + (last > 1 ? further : 0);
   double correction = 0;
   sim->owner = CLOTH_CORE;
   for (int n = first; n < last; n++) {
@@ -158,7 +159,7 @@ static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, clot
   if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
     STAGE(contact, cloth_contact_add_impacts(sim, err));
-    CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
+    CLOTH_TRY(solve(sim, n + round, n + round + 1, 0, err));
     sim->report->contact_rounds++;
     if (ran_away(sim)) {
       *result = OUTCOME_UNSTABLE;
@@ -208,7 +209,9 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
     return CLOTH_OK;
   }
 
-  CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
+  // where bodies leave no room, iterating further is work for nothing
+  int further = c->for_impacts > 0 ? 0 : FURTHER_ITERATIONS;
+  CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, further, err));
   if (ran_away(sim)) {
     *result = OUTCOME_UNSTABLE;
     return CLOTH_OK;

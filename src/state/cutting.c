@@ -43,7 +43,7 @@ bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *
   if (result != OUTCOME_IMPACTS) return cloth_may_cut(sim, c, result);
   bool cures = sim->impacts_left <= c->left / 2 || !(sim->impacts_left > cloth_crowded(sim));
   c->left = sim->impacts_left;
-  return sim->tangles.known_free && cures && c->halvings < IMPACT_HALVINGS &&
+  return sim->tangles.known_free && cures && c->for_impacts++ < IMPACT_HALVINGS &&
          c->halvings < sim->params.step_halvings_max;
 }
 

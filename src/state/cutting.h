@@ -18,6 +18,7 @@ typedef enum cloth_outcome {
 typedef struct cloth_cutting {
   double share;        // of the step, of one substep
   int depth, halvings; // times it was halved: as the last step was, and in this one
+  int for_impacts;     // times because impacts were left
   int left;            // impacts that were left when it was halved last because of them
   double crowd;        // most crowded substep, repeated or not
 } cloth_cutting;

@@ -7,5 +7,5 @@ CLOTH_STAGE(effects, "src/effect/effect.c", "forces and tangents of every active
 CLOTH_STAGE(assemble, "src/solve/assemble.c", "element slots to block rows, diagonal, right-hand side")
 CLOTH_STAGE(solve, "src/solve/pcg.c", "A dx = b over n parts")
 CLOTH_STAGE(ccd, "src/ccd/ccd.c", "what would pass through: time of impact, impact zones, failsafe")
-CLOTH_STAGE(commit, "src/step.c", "v = (x - x0) / h, checks, report")
+CLOTH_STAGE(commit, "src/state/commit.c", "v = (x - x0) / h, checks, report")
 #undef CLOTH_STAGE

@@ -3,7 +3,6 @@
 // into substeps so that no body moves far between two searches, and a substep that fails is
 // repeated at half its length.
 #include "chunk.h"
-#include "commit_chunk.h"
 #include "contact/contact.h"
 #include "contact/friction.h"
 #include "effect/effect.h"
@@ -11,28 +10,16 @@
 #include "reduce_max.h"
 #include "shift_chunk.h"
 #include "state/bdf2.h"
+#include "state/commit.h"
+#include "state/cutting.h"
 #include "state/flight.h"
 #include "state/state.h"
 
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 #include <time.h>
 
-// TOUCHES: no substep of order 2, because contact acts; again with backward Euler
-typedef enum outcome {
-  OUTCOME_GOOD,
-  OUTCOME_IMPACTS,
-  OUTCOME_ROUGH,
-  OUTCOME_CROWDED,
-  OUTCOME_TOUCHES,
-  OUTCOME_UNSTABLE
-} outcome;
-
 enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
-
-// a body that leaves no room is not cured by ever smaller steps
-enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3, CROWDED_HALVINGS = 5 };
 
 // Shares of the mean edge. A correction that is still above the first asks for further Newton
 // iterations; one above the second for a shorter substep, as do impact zones that move a vertex
@@ -44,12 +31,6 @@ enum { FURTHER_ITERATIONS = 4 };
 
 // A correction above so many edges, and above all that the cloth spans: it diverges.
 #define AWAY 10
-
-// As many impacts of cloth with cloth as this, and zones would grind: half the step costs less and
-// stays nearer to what the solver found. A share of the vertices, and some that any cloth may have.
-#define CROWDED_SHARE 0.03
-#define CROWDED_LEAST 16
-#define CALM          0.25 // below this share of what is crowded, longer substeps are tried again
 
 static bool is_rough(const cloth_sim *sim, double distance)
 {
@@ -102,8 +83,6 @@ static cloth_status stage_end(cloth_sim *sim, cloth_stage stage, double start, c
     CLOTH_TRY(stage_end(sim, CLOTH_STAGE_##name, start_, err));                                    \
   } while (0)
 
-static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err);
-
 // ---- one substep, from share `from` to share `to` of the step
 // ------------------------------------
 
@@ -113,10 +92,11 @@ static int owner_of_contact(const cloth_sim *sim)
                                                 : CLOTH_EFFECT_body_contact;
 }
 
-// Newton iterations `first` to `last` - 1, and some more where the last still is a large one
-static cloth_status solve(cloth_sim *sim, int first, int last, cloth_error *err)
+// Newton iterations `first` to `last` - 1, and up to `further` more where the last still is a large
+// one
+static cloth_status solve(cloth_sim *sim, int first, int last, int further, cloth_error *err)
 {
-  int owner = sim->owner, most = first == 0 && last > 1 ? last + FURTHER_ITERATIONS : last;
+  int owner = sim->owner, most = last + (last > 1 ? further : 0);
   double correction = 0;
   sim->owner = CLOTH_CORE;
   for (int n = first; n < last; n++) {
@@ -151,29 +131,6 @@ static cloth_status measure_shift(cloth_sim *sim, double *out, cloth_error *err)
   return CLOTH_OK;
 }
 
-// how a step is cut
-typedef struct cutting {
-  double share;        // of the step, of one substep
-  int depth, halvings; // times it was halved: as the last step was, and in this one
-  int left;            // impacts that were left when it was halved last because of them
-  double crowd;        // most crowded substep, repeated or not
-} cutting;
-
-// May a substep with this outcome, impacts left aside, be repeated at half its length?
-static bool may_cut(const cloth_sim *sim, const cutting *c, outcome result)
-{
-  static const int most[] = {[OUTCOME_ROUGH] = ROUGH_HALVINGS,
-                             [OUTCOME_CROWDED] = CROWDED_HALVINGS,
-                             [OUTCOME_UNSTABLE] = INT_MAX};
-  return c->depth + c->halvings < most[result] && c->halvings < sim->params.step_halvings_max;
-}
-
-// impacts that are many
-static double crowded(const cloth_sim *sim)
-{
-  return CROWDED_LEAST + CROWDED_SHARE * sim->vertex_count;
-}
-
 // Has the solution left all that the cloth spans and sweeps? Then looking for impacts costs much
 // and tells nothing.
 static bool ran_away(const cloth_sim *sim)
@@ -192,8 +149,8 @@ static double span_of(const cloth_box *box)
 
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
-static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *result, int *left,
-                                    bool *met, cloth_error *err)
+static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, cloth_outcome *result,
+                                    int *left, bool *met, cloth_error *err)
 {
   int impacts, n = sim->params.newton_iterations_max;
   if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
@@ -202,7 +159,7 @@ static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *r
   if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
     STAGE(contact, cloth_contact_add_impacts(sim, err));
-    CLOTH_TRY(solve(sim, n + round, n + round + 1, err));
+    CLOTH_TRY(solve(sim, n + round, n + round + 1, 0, err));
     sim->report->contact_rounds++;
     if (ran_away(sim)) {
       *result = OUTCOME_UNSTABLE;
@@ -210,11 +167,11 @@ static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *r
     }
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
   }
-  sim->crowd = cloth_impacts_of_cloth(sim) / crowded(sim);
+  sim->crowd = cloth_impacts_of_cloth(sim) / cloth_crowded(sim);
   *result = sim->crowd > 1            ? OUTCOME_CROWDED
             : is_far_from_linear(sim) ? OUTCOME_ROUGH
                                       : OUTCOME_GOOD;
-  if (may_cut(sim, c, *result)) return CLOTH_OK; // no work for what will be thrown away
+  if (cloth_may_cut(sim, c, *result)) return CLOTH_OK; // no work for what will be thrown away
   *result = OUTCOME_GOOD;
   STAGE(ccd, cloth_ccd_resolve(sim, left, err)); // ccd/zones.c, ccd/failsafe.c
   double shift = 0;
@@ -223,8 +180,8 @@ static cloth_status part_what_meets(cloth_sim *sim, const cutting *c, outcome *r
   return cloth_contact_totals(sim, err);
 }
 
-static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cutting *c,
-                                  outcome *result, cloth_error *err)
+static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cloth_cutting *c,
+                                  cloth_outcome *result, cloth_error *err)
 {
   int left = 0;
   sim->crowd = 0;
@@ -252,7 +209,9 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
     return CLOTH_OK;
   }
 
-  CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, err));
+  // where bodies leave no room, iterating further is work for nothing
+  int further = c->for_impacts > 0 ? 0 : FURTHER_ITERATIONS;
+  CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, further, err));
   if (ran_away(sim)) {
     *result = OUTCOME_UNSTABLE;
     return CLOTH_OK;
@@ -272,62 +231,10 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
     *result = OUTCOME_IMPACTS;
   else if (*result == OUTCOME_GOOD && is_far_from_linear(sim))
     *result = OUTCOME_ROUGH;
-  STAGE(commit, commit(sim, result, err)); // here               v = (x - x0) / h
+  bool good;
+  STAGE(commit, cloth_commit(sim, &good, err)); // state/commit.c     v = (x - x0) / h
+  if (!good) *result = OUTCOME_UNSTABLE;
   return CLOTH_OK;
-}
-
-// velocities, and whether all is finite and within bounds
-static cloth_status commit(cloth_sim *sim, outcome *result, cloth_error *err)
-{
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    const cloth_real *v = sim->bdf2.used ? p->v_next : p->v; // expected: where the change starts
-    cloth_commit_chunk_args a = {0,    sim->vertex_count, cloth_step_from(sim, p),
-                                 p->x, p->mass,           (cloth_real)(1 / sim->gamma),
-                                 v,    p->v_next,         p->commit};
-    CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
-  }
-  size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
-  CLOTH_TRY(cloth_staging(sim, n, err));
-  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].commit,
-                               sizeof(cloth_real) * n, err));
-  double worst = 0, speed = 0, energy = 0, change = 0;
-  for (int c = 0; c < sim->chunks; c++) {
-    const cloth_real *f = sim->host + CLOTH_COMMIT_FIELDS * c;
-    if (!((double)f[CLOTH_COMMIT_WORST] <= worst)) worst = (double)f[CLOTH_COMMIT_WORST];
-    if (!(worst <= sim->params.bounds)) break;
-    speed = fmax(speed, (double)f[CLOTH_COMMIT_SPEED]);
-    energy += (double)f[CLOTH_COMMIT_ENERGY];
-    change = fmax(change, (double)f[CLOTH_COMMIT_CHANGE]);
-  }
-  if (!(worst <= sim->params.bounds)) *result = OUTCOME_UNSTABLE;
-  sim->report->speed_max = sim->speed_last = speed;
-  sim->report->energy_kinetic = energy;
-  // the leading error of backward Euler is h^2 / 2 times the acceleration (Hairer and Wanner 1996)
-  // and that of BDF2 2/9 h^3 times its derivative
-  sim->error_estimate = sim->h * change * (sim->bdf2.used ? 2.0 / 9 : 0.5);
-  return CLOTH_OK;
-}
-
-// mean velocity and acceleration of each cloth; a chunk counts for the cloth of its first vertex
-static void mean_motion(cloth_sim *sim)
-{
-  const cloth_real *field = sim->host + CLOTH_COMMIT_VELOCITY;
-  for (int cloth = 0, c = 0; cloth < sim->def->cloth_count; cloth++) {
-    double sum[3] = {0, 0, 0};
-    int count = 0;
-    for (; c < sim->chunks && c * CLOTH_CHUNK < sim->cloth_first[cloth + 1]; c++) {
-      int rows = sim->vertex_count - c * CLOTH_CHUNK;
-      count += rows < CLOTH_CHUNK ? rows : CLOTH_CHUNK;
-      for (int k = 0; k < 3; k++) sum[k] += (double)field[CLOTH_COMMIT_FIELDS * c + k];
-    }
-    for (int k = 0; k < 3 && count > 0; k++) {
-      double *mean = &sim->mean_velocity[3 * cloth + k], v = sum[k] / count;
-      if (sim->mean_known) sim->acceleration[3 * cloth + k] = (v - *mean) / sim->h;
-      *mean = v;
-    }
-  }
-  sim->mean_known = true;
 }
 
 // the substep stands: its end is the next start
@@ -366,43 +273,10 @@ static void place_teleports(cloth_sim *sim)
   }
 }
 
-static cloth_status begin_cutting(cloth_sim *sim, double h, cutting *c, cloth_error *err)
-{
-  int least;
-  CLOTH_TRY(cloth_substeps_count(sim, h, &least, err));
-  int parts = least > sim->substeps_crowded ? least : sim->substeps_crowded;
-  *c = (cutting){.share = 1.0 / parts, .left = INT_MAX};
-  while (least << (c->depth + 1) <= parts) c->depth++;
-  return CLOTH_OK;
-}
-
-// Is the substep repeated at half its length? Where something intersects already, or where half the
-// length left more than half of the impacts, and many, bodies leave no room, and smaller steps make
-// none.
-static bool again(const cloth_sim *sim, outcome result, cutting *c)
-{
-  c->crowd = fmax(c->crowd, sim->crowd);
-  if (result != OUTCOME_IMPACTS) return may_cut(sim, c, result);
-  bool cures = sim->impacts_left <= c->left / 2 || !(sim->impacts_left > crowded(sim));
-  c->left = sim->impacts_left;
-  return sim->tangles.known_free && cures && c->halvings < IMPACT_HALVINGS &&
-         c->halvings < sim->params.step_halvings_max;
-}
-
-// Steps that follow begin as finely as this one ended: most of them are as crowded.
-static void end_cutting(cloth_sim *sim, const cutting *c)
-{
-  int parts = (int)(1 / c->share + 0.5);
-  if (c->crowd > 1)
-    sim->substeps_crowded = parts;
-  else if (c->crowd < CALM && c->halvings == 0)
-    sim->substeps_crowded = parts / 2;
-}
-
-static cloth_status stand(cloth_sim *sim, outcome result, cloth_error *err)
+static cloth_status stand(cloth_sim *sim, cloth_outcome result, cloth_error *err)
 {
   cloth_step_report *report = sim->report;
-  mean_motion(sim);
+  cloth_mean_motion(sim);
   CLOTH_TRY(accept(sim, err));
   sim->tangles.found = false;
   if (result == OUTCOME_IMPACTS) {
@@ -418,10 +292,10 @@ static cloth_status stand(cloth_sim *sim, outcome result, cloth_error *err)
 }
 
 // the whole step in substeps; a failed one is repeated at half its length
-static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth_error *err)
+static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result, cloth_error *err)
 {
-  cutting c;
-  CLOTH_TRY(begin_cutting(sim, h, &c, err));
+  cloth_cutting c;
+  CLOTH_TRY(cloth_cutting_begin(sim, h, &c, err));
   double done = 0;
   sim->h_contact = h * c.share;
   while (done < 1) {
@@ -434,7 +308,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
       sim->pairs_valid = sim->bdf2.known = false;
       continue;
     }
-    if (again(sim, *result, &c)) {
+    if (cloth_cut_again(sim, *result, &c)) {
       c.halvings++, sim->report->step_halvings++;
       if (*result == OUTCOME_IMPACTS || *result == OUTCOME_CROWDED)
         sim->h_contact /= 2; // stiffer springs keep apart what met
@@ -446,7 +320,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, outcome *result, cloth
     CLOTH_TRY(stand(sim, *result, err));
     done = to;
   }
-  end_cutting(sim, &c);
+  cloth_cutting_end(sim, &c);
   return CLOTH_OK;
 }
 
@@ -466,7 +340,7 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
 }
 
 // the whole step by the integrator of the scene
-static cloth_status integrate(cloth_sim *sim, double h, outcome *result, cloth_error *err)
+static cloth_status integrate(cloth_sim *sim, double h, cloth_outcome *result, cloth_error *err)
 {
   bool good; // flight and sub-steps below the stable limit are not halved
   if (cloth_flies(sim))
@@ -544,7 +418,7 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   cloth_sim *sim = data;
   double start = now_ms();
   int64_t allocations = sim->allocations, launches = sim->launches, growths = sim->growths;
-  outcome result = OUTCOME_GOOD;
+  cloth_outcome result = OUTCOME_GOOD;
   begin_report(sim, report, h);
   cloth_blocking_clear(sim);
   for (int b = 0; b < sim->def->body_count; b++) {

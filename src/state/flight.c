@@ -3,6 +3,7 @@
 #include "effect/effect.h"
 #include "fly_chunk.h"
 #include "hold_pull.h"
+#include "state/commit.h"
 
 #include <math.h>
 #include <string.h>
@@ -117,23 +118,10 @@ static cloth_status fly(cloth_sim *sim, cloth_error *err)
 
 static cloth_status judge(cloth_sim *sim, bool *good, cloth_error *err)
 {
-  size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
-  double worst = 0, speed = 0, energy = 0, change = 0;
-  CLOTH_TRY(cloth_staging(sim, n, err));
-  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].commit,
-                               sizeof(cloth_real) * n, err));
-  for (int c = 0; c < sim->chunks && worst <= sim->params.bounds; c++) {
-    const cloth_real *f = sim->host + CLOTH_COMMIT_FIELDS * c;
-    if (!((double)f[CLOTH_COMMIT_WORST] <= worst)) worst = (double)f[CLOTH_COMMIT_WORST];
-    speed = fmax(speed, (double)f[CLOTH_COMMIT_SPEED]);
-    energy += (double)f[CLOTH_COMMIT_ENERGY];
-    change = fmax(change, (double)f[CLOTH_COMMIT_CHANGE]);
-  }
-  *good = worst <= sim->params.bounds;
+  double change;
+  CLOTH_TRY(cloth_commit_sums(sim, good, &change, err));
   cloth_step_report *r = sim->report;
-  r->speed_max = sim->speed_last = speed;
-  r->energy_kinetic = energy;
-  r->error_estimate = fmax(r->error_estimate, sim->h * change / 2); // as in step.c
+  r->error_estimate = fmax(r->error_estimate, sim->h * change / 2); // as in commit.c
   r->substeps++;
   return CLOTH_OK;
 }

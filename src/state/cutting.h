@@ -1,0 +1,40 @@
+// How a step is cut into substeps, and when one is repeated at half its length (numerics: step
+// control). A step begins as finely as bodies, holds and the steps before it ask for.
+#pragma once
+
+#include "state/sim.h"
+
+// TOUCHES: no substep of order 2, because contact acts; again with backward Euler
+typedef enum cloth_outcome {
+  OUTCOME_GOOD,
+  OUTCOME_IMPACTS,
+  OUTCOME_ROUGH,
+  OUTCOME_CROWDED,
+  OUTCOME_TOUCHES,
+  OUTCOME_UNSTABLE
+} cloth_outcome;
+
+/// How a step is cut.
+typedef struct cloth_cutting {
+  double share;        // of the step, of one substep
+  int depth, halvings; // times it was halved: as the last step was, and in this one
+  int for_impacts;     // times because impacts were left
+  int left;            // impacts that were left when it was halved last because of them
+  double crowd;        // most crowded substep, repeated or not
+} cloth_cutting;
+
+cloth_status cloth_cutting_begin(cloth_sim *sim, double h, cloth_cutting *out, cloth_error *err);
+
+/// Impacts that are many.
+double cloth_crowded(const cloth_sim *sim);
+
+/// May a substep with this outcome, impacts left aside, be repeated at half its length?
+bool cloth_may_cut(const cloth_sim *sim, const cloth_cutting *cutting, cloth_outcome result);
+
+/// Is the substep repeated at half its length? Where something intersects already, or where half
+/// the length left more than half of the impacts, and many, bodies leave no room, and smaller steps
+/// make none.
+bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *cutting);
+
+/// Steps that follow begin as finely as this one ended: most of them are as crowded.
+void cloth_cutting_end(cloth_sim *sim, const cloth_cutting *cutting);

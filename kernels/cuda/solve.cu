@@ -1,7 +1,10 @@
 // A whole linear solve as one kernel: every step is a loop over chunks by all blocks, with a
-// barrier behind it. One block adds the chunk sums up and sets the scalars at a barrier before it
-// lets the others go, so an iteration has no launch, no read and no scalar kernel. A small scene is
-// bound by its barriers and goes to one cluster of blocks, which has them in hardware.
+// barrier behind it, so an iteration has no launch, no read and no scalar kernel. Chunk sums are
+// added up by each block for itself; where they are many, by the block that comes last to the
+// barrier before it lets the others go. A small scene is bound by its barriers and by loads that
+// wait for each other: it goes to one cluster of blocks, which has barriers in hardware, and its
+// rows stay in registers.
+#include "kept_row.cuh"
 #include "launch.h"
 #include "pcg_solve.h"
 #include "reduce.cuh"
@@ -12,11 +15,14 @@ namespace {
 // four blocks on a multiprocessor: six need 40 registers a thread and were 3 % slower on an H100
 enum {
   RESIDENT = 4,
+  SPARSE = 2, // blocks on a multiprocessor for scenes that have no more: registers to load ahead
+  FEW_SUMS = 4 * CLOTH_PCG_LANES, // that each block adds up for itself
   THREADS = CLOTH_PCG_LANES,
   CHUNKS = THREADS / CLOTH_CHUNK,
   WARPS = THREADS / CLOTH_WARP,
   CLUSTER_BLOCKS = 16, // of a cluster, and the most rows that it solves faster than the whole grid
-  CLUSTER_ROWS = 8192
+  CLUSTER_ROWS = 8192,
+  KEPT_SLOTS = 14 // of a row in registers: a vertex of a regular mesh with hinges has 13
 };
 
 // r = row(k) for each vertex k of the part, then z and the partial sums of each chunk
@@ -33,23 +39,82 @@ __device__ void for_levels(const cloth_pcg_solve_args &a, cloth_real *upper, Row
   }
 }
 
+// how a row is multiplied: from memory, a few slots at a time
+struct rows_in_memory {
+  __device__ explicit rows_in_memory(const cloth_pcg_solve_args &) {}
+  __device__ cloth_v3 product(const cloth_pcg_solve_args &a, int row)
+  {
+    return cloth_block_row_product(&a.product.rows, row, a.product.x);
+  }
+};
+
+// more slots at a time
+struct rows_ahead {
+  __device__ explicit rows_ahead(const cloth_pcg_solve_args &) {}
+  __device__ cloth_v3 product(const cloth_pcg_solve_args &a, int row)
+  {
+    const cloth_block_rows *r = &a.product.rows;
+    int group = row / CLOTH_ROW_GROUP;
+    return cloth_block_slots_product_ahead(r, row % CLOTH_ROW_GROUP, r->first[group],
+                                           r->first[group + 1], a.product.x,
+                                           cloth_v3_make(0, 0, 0));
+  }
+};
+
+// a thread's first row from its registers
+struct rows_kept {
+  cloth_kept_row<KEPT_SLOTS> mine;
+  __device__ explicit rows_kept(const cloth_pcg_solve_args &a)
+  {
+    mine.load(&a.product.rows, (int)(blockIdx.x * blockDim.x + threadIdx.x), a.v.count);
+  }
+  __device__ cloth_v3 product(const cloth_pcg_solve_args &a, int row)
+  {
+    if (row >= (int)(gridDim.x * blockDim.x))
+      return cloth_block_row_product(&a.product.rows, row, a.product.x);
+    return mine.product(&a.product.rows, row, a.product.x);
+  }
+};
+
 // q = A x and the partial sums x'q of each chunk
-__device__ void for_rows(const cloth_pcg_solve_args &a, cloth_real *upper)
+template <typename Rows>
+__device__ void for_rows(const cloth_pcg_solve_args &a, Rows &rows, cloth_real *upper)
 {
   int chunks = (a.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
   for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
     int i = c + (int)threadIdx.x / CLOTH_CHUNK, row = i * CLOTH_CHUNK + lane;
     cloth_real sum[1] = {};
-    if (row < a.v.count)
-      sum[0] = cloth_pcg_product_row(row, &a.product,
-                                     cloth_block_row_product(&a.product.rows, row, a.product.x));
+    if (row < a.v.count) sum[0] = cloth_pcg_product_row(row, &a.product, rows.product(a, row));
     cloth_block_chunk_sums(sum, upper);
     if (lane == 0 && i < chunks)
-      a.v.partial[CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i)] = sum[0];
+      a.more_partial[CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i)] = sum[0];
   }
 }
 
-__device__ void beta_of(const cloth_pcg_solve_args &a, int start, cloth_real *lanes)
+// What a block keeps: room for sums, and the scalars as it knows them. What it reads of them is
+// the same on every block.
+struct shared_room {
+  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_PCG_LANES / 2];
+  cloth_real scalar[CLOTH_PCG_SCALARS];
+};
+
+// A barrier, and set(scalar) by one thread of each block, or of the last one where there are many
+// sums. `set` is called by whole blocks.
+template <typename Together, typename Set>
+__device__ void meet(const cloth_pcg_solve_args &a, Together &g, shared_room *room, Set set)
+{
+  if (a.beta.sums <= FEW_SUMS) {
+    g.sync();
+    set(room->scalar);
+  } else {
+    g.sync([&] { set(a.v.scalar); });
+    if (threadIdx.x < CLOTH_PCG_SCALARS) room->scalar[threadIdx.x] = a.v.scalar[threadIdx.x];
+  }
+  __syncthreads();
+}
+
+__device__ void beta_of(const cloth_pcg_solve_args &a, int start, cloth_real *lanes,
+                        cloth_real *scalar)
 {
   cloth_real sums[2];
   cloth_block_partial_sums(a.beta.partial, a.beta.sums, sums, lanes);
@@ -62,13 +127,13 @@ __device__ void beta_of(const cloth_pcg_solve_args &a, int start, cloth_real *la
   }
   if (threadIdx.x > 0) return;
   cloth_pcg_beta_args beta = a.beta;
-  beta.start = start;
+  beta.start = start, beta.scalar = scalar;
   cloth_pcg_beta_set(&beta, rz, rr);
 }
 
 // after r, z and their sums: coarse correction, beta, direction
 template <typename Together>
-__device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, cloth_real *lanes)
+__device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, shared_room *room)
 {
   int warp = (int)threadIdx.x / CLOTH_WARP, lane = (int)threadIdx.x % CLOTH_WARP;
   if (a.v.coarse) { // a warp for each number, by all blocks
@@ -89,66 +154,77 @@ __device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, clot
   if (h->nodes > 0) { // the first level from r, the others from the first
     g.sync();
     for (int i = (int)blockIdx.x; i < cloth_hat_fine_groups(h); i += (int)gridDim.x)
-      cloth_block_hat_rest(&a.hats, i, lanes);
+      cloth_block_hat_rest(&a.hats, i, room->lanes);
     g.sync();
     for (int i = (int)blockIdx.x; i < cloth_hat_groups(h); i += (int)gridDim.x)
-      cloth_block_hat_upper(&a.hats, i, lanes);
+      cloth_block_hat_upper(&a.hats, i, room->lanes);
   }
-  g.sync([&] { beta_of(a, start, lanes); });
-  if (a.v.scalar[CLOTH_PCG_DONE] > 0) return;
+  meet(a, g, room, [&](cloth_real *scalar) { beta_of(a, start, room->lanes, scalar); });
+  if (room->scalar[CLOTH_PCG_DONE] > 0) return;
   for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < h->fine;
        i += (int)(gridDim.x * blockDim.x))
     cloth_hat_spread_node(i, h);
   if (h->nodes > 0) g.sync();
-  cloth_real beta = a.v.scalar[CLOTH_PCG_BETA];
+  cloth_real beta = room->scalar[CLOTH_PCG_BETA];
   int end = a.v.first + a.v.count, stride = (int)(gridDim.x * blockDim.x);
   for (int k = a.v.first + (int)(blockIdx.x * blockDim.x + threadIdx.x); k < end; k += stride)
     cloth_pcg_direction_row(k, &a.v, beta, cloth_pcg_coarse_of(k, &a.v));
   g.sync();
 }
 
-template <typename Together>
-__device__ void product(const cloth_pcg_solve_args &a, Together &g, cloth_real *upper,
-                        cloth_real *lanes)
+template <typename Together, typename Rows>
+__device__ void product(const cloth_pcg_solve_args &a, Together &g, Rows &rows, shared_room *room)
 {
   int stride = (int)(gridDim.x * blockDim.x);
   for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < a.contacts; i += stride)
     cloth_contact_product(i, &a.contact);
   if (a.contacts > 0) g.sync();
-  for_rows(a, upper);
-  g.sync([&] {
+  for_rows(a, rows, room->upper);
+  meet(a, g, room, [&](cloth_real *scalar) {
     cloth_real pq[1];
-    cloth_block_partial_sums(a.v.partial, a.v.chunks, pq, lanes);
-    if (threadIdx.x == 0) cloth_pcg_alpha_set(a.v.scalar, pq[0]);
+    cloth_block_partial_sums(a.more_partial, a.v.chunks, pq, room->lanes);
+    if (threadIdx.x == 0) cloth_pcg_alpha_set(scalar, pq[0]);
   });
 }
 
-template <typename Together> __device__ void solve(const cloth_pcg_solve_args &a, Together g)
+template <typename Rows, typename Together>
+__device__ void solve(const cloth_pcg_solve_args &a, Together g)
 {
-  __shared__ cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_PCG_LANES / 2];
-  volatile const cloth_real *done = a.v.scalar + CLOTH_PCG_DONE;
-  for_levels(a, upper, [&](int k) { return cloth_pcg_start_row(k, &a.v); });
-  turn(a, g, 1, lanes);
-  for (int n = 0; n < a.iterations_max; n++) {
-    if (*done > 0) return;
-    product(a, g, upper, lanes);
-    if (*done > 0) return;
-    cloth_real alpha = a.v.scalar[CLOTH_PCG_ALPHA];
-    for_levels(a, upper, [&](int k) { return cloth_pcg_update_row(k, &a.v, alpha); });
-    turn(a, g, 0, lanes);
+  __shared__ shared_room room;
+  Rows rows(a);
+  if (threadIdx.x < CLOTH_PCG_SCALARS) room.scalar[threadIdx.x] = a.v.scalar[threadIdx.x];
+  for_levels(a, room.upper, [&](int k) { return cloth_pcg_start_row(k, &a.v); });
+  turn(a, g, 1, &room);
+  for (int n = 0; n < a.iterations_max && !(room.scalar[CLOTH_PCG_DONE] > 0); n++) {
+    product(a, g, rows, &room);
+    if (room.scalar[CLOTH_PCG_DONE] > 0) break;
+    cloth_real alpha = room.scalar[CLOTH_PCG_ALPHA];
+    for_levels(a, room.upper, [&](int k) { return cloth_pcg_update_row(k, &a.v, alpha); });
+    turn(a, g, 0, &room);
   }
+  __syncthreads();
+  // every block has read them: all have met since
+  if (blockIdx.x == 0 && threadIdx.x < CLOTH_PCG_SCALARS)
+    a.v.scalar[threadIdx.x] = room.scalar[threadIdx.x];
 }
 
 __global__ void __launch_bounds__(THREADS, RESIDENT)
     solve_by_grid(const __grid_constant__ cloth_pcg_solve_args a, cloth_together_state *state)
 {
-  solve(a, cloth_together_grid(state));
+  solve<rows_in_memory>(a, cloth_together_grid(state));
+}
+
+__global__ void __launch_bounds__(THREADS, SPARSE)
+    solve_by_sparse_grid(const __grid_constant__ cloth_pcg_solve_args a,
+                         cloth_together_state *state)
+{
+  solve<rows_ahead>(a, cloth_together_grid(state));
 }
 
 __global__ void __launch_bounds__(THREADS, 1)
     solve_by_cluster(const __grid_constant__ cloth_pcg_solve_args a, cloth_together_state *state)
 {
-  solve(a, cloth_together_cluster(state));
+  solve<rows_kept>(a, cloth_together_cluster(state));
 }
 
 // A kernel of one cluster: what the launch needs.
@@ -211,7 +287,9 @@ cloth_status cloth_cuda_solve(cloth_device *d, const cloth_pcg_solve_args *args,
   CLOTH_TRY(cloth_cuda_scratch(d, sizeof(cloth_together_state), &state, err));
   CUDA_TRY(err, cudaMemsetAsync(state, 0, sizeof(cloth_together_state), stream));
   void *parameters[] = {const_cast<cloth_pcg_solve_args *>(args), &state};
-  CUDA_TRY(err, cudaLaunchCooperativeKernel(solve_by_grid, dim3((unsigned)blocks), dim3(THREADS),
-                                            parameters, 0, stream));
+  auto *kernel = blocks <= SPARSE * d->multiprocessors ? solve_by_sparse_grid : solve_by_grid;
+  CUDA_TRY(err, cudaLaunchCooperativeKernel(reinterpret_cast<const void *>(kernel),
+                                            dim3((unsigned)blocks), dim3(THREADS), parameters, 0,
+                                            stream));
   return CLOTH_OK;
 }

@@ -49,6 +49,7 @@
 #include "hat_upper.h"
 #include "hold.h"
 #include "hold_jump.h"
+#include "hold_measure.h"
 #include "hold_pull.h"
 #include "impact_find.h"
 #include "impact_hold_back.h"

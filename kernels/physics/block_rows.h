@@ -102,24 +102,34 @@ CLOTH_FN cloth_sym3 cloth_block_diagonal(const cloth_block_rows *r, int row)
 #define CLOTH_ONCE(x) (x)
 #endif
 
+/// y += slots [begin, end) of one row, a thread of the group's.
+#define CLOTH_ROW_PRODUCT(name, unroll)                                                            \
+  CLOTH_FN cloth_v3 name(const cloth_block_rows *r, int lane, int begin, int end,                  \
+                         const cloth_real *x, cloth_v3 y)                                          \
+  {                                                                                                \
+    unroll for (int s = begin; s < end; s++)                                                       \
+    {                                                                                              \
+      const int g = CLOTH_ROW_GROUP;                                                               \
+      cloth_v3 from = cloth_v3_load(x, CLOTH_ONCE(r->col[(int64_t)s * g + lane]));                 \
+      const cloth_real *a = r->val + (int64_t)s * 9 * g + lane;                                    \
+      y.x +=                                                                                       \
+          CLOTH_ONCE(a[0]) * from.x + CLOTH_ONCE(a[g]) * from.y + CLOTH_ONCE(a[2 * g]) * from.z;   \
+      y.y += CLOTH_ONCE(a[3 * g]) * from.x + CLOTH_ONCE(a[4 * g]) * from.y +                       \
+             CLOTH_ONCE(a[5 * g]) * from.z;                                                        \
+      y.z += CLOTH_ONCE(a[6 * g]) * from.x + CLOTH_ONCE(a[7 * g]) * from.y +                       \
+             CLOTH_ONCE(a[8 * g]) * from.z;                                                        \
+    }                                                                                              \
+    return y;                                                                                      \
+  }
+CLOTH_ROW_PRODUCT(cloth_block_slots_product, CLOTH_UNROLL)
+CLOTH_ROW_PRODUCT(cloth_block_slots_product_ahead, CLOTH_UNROLL_MORE) // where registers are left
+
 /// y = A x for one row: the sums of cloth_block_product(), one lane of it.
 CLOTH_FN cloth_v3 cloth_block_row_product(const cloth_block_rows *r, int row, const cloth_real *x)
 {
-  int group = row / CLOTH_ROW_GROUP, lane = row % CLOTH_ROW_GROUP;
-  cloth_v3 y = cloth_v3_make(0, 0, 0);
-  int begin = r->first[group], end = r->first[group + 1];
-  CLOTH_UNROLL
-  for (int s = begin; s < end; s++) {
-    const int g = CLOTH_ROW_GROUP;
-    cloth_v3 from = cloth_v3_load(x, CLOTH_ONCE(r->col[(int64_t)s * g + lane]));
-    const cloth_real *a = r->val + (int64_t)s * 9 * g + lane;
-    y.x += CLOTH_ONCE(a[0]) * from.x + CLOTH_ONCE(a[g]) * from.y + CLOTH_ONCE(a[2 * g]) * from.z;
-    y.y += CLOTH_ONCE(a[3 * g]) * from.x + CLOTH_ONCE(a[4 * g]) * from.y +
-           CLOTH_ONCE(a[5 * g]) * from.z;
-    y.z += CLOTH_ONCE(a[6 * g]) * from.x + CLOTH_ONCE(a[7 * g]) * from.y +
-           CLOTH_ONCE(a[8 * g]) * from.z;
-  }
-  return y;
+  int group = row / CLOTH_ROW_GROUP;
+  return cloth_block_slots_product(r, row % CLOTH_ROW_GROUP, r->first[group], r->first[group + 1],
+                                   x, cloth_v3_make(0, 0, 0));
 }
 
 // A CPU reads a vertex as one piece of four numbers and turns eight of them into three registers

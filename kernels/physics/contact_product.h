@@ -39,11 +39,16 @@ CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
 
 CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
 {
-  cloth_v3 u = cloth_v3_make(0, 0, 0);
-  for (int c = 0; c < 4; c++) {
+  cloth_v3 u = cloth_v3_make(0, 0, 0), p[4];
+  int in[4];
+  for (int c = 0; c < 4; c++) { // all loads before the first sum, so that none waits for another
     int v = a->vertex[4 * i + c];
-    if (v < a->cloth_vertices)
-      u = cloth_v3_add_scaled(u, a->weight[4 * i + c], cloth_v3_load(a->p, v));
+    in[c] = v < a->cloth_vertices;
+    p[c] = cloth_v3_load(a->p, in[c] ? v : 0);
+  }
+  for (int c = 0; c < 4; c++) {
+    cloth_v3 sum = cloth_v3_add_scaled(u, a->weight[4 * i + c], p[c]);
+    u = in[c] ? sum : u;
   }
   u = cloth_sym3_mul(cloth_sym3_load(a->tangent, i), u);
   for (int c = 0; c < 4; c++)

@@ -17,6 +17,7 @@ CLOTH_FN cloth_v3 cloth_hat_rest_lane(const cloth_hats *h, const cloth_real *fro
                                       int lanes)
 {
   cloth_v3 sum = cloth_v3_make(0, 0, 0);
+  CLOTH_UNROLL_MORE
   for (int n = h->first[c] + l; n < h->first[c + 1]; n += lanes)
     sum = cloth_v3_add_scaled(sum, h->child_weight[n], cloth_v3_load(from, h->child[n]));
   return sum;

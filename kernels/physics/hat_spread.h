@@ -11,6 +11,7 @@ typedef struct cloth_hat_spread_args {
 CLOTH_FN void cloth_hat_spread_node(int i, const cloth_hats *h)
 {
   cloth_v3 y = cloth_v3_load(h->correction, i);
+  CLOTH_UNROLL_MORE
   for (int k = h->uppers * i; k < h->uppers * (i + 1); k++)
     y = cloth_v3_add_scaled(y, h->upper_weight[k], cloth_v3_load(h->correction, h->upper[k]));
   cloth_v3_store(h->correction, i, y);

@@ -3,6 +3,7 @@
 #include "hold.h"
 
 #include "effect/effect.h"
+#include "hold_measure.h"
 #include "state/state.h"
 
 #include <math.h>
@@ -37,7 +38,7 @@ cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_
       CLOTH_TRY(cloth_take(sim, part, "target", sizeof(cloth_real) * 3 * (size_t)sim->vertex_count,
                            &part->target, err));
     CLOTH_TRY(cloth_grow(sim, part, "held", sizeof(int) * n, &part->held, err));
-    CLOTH_TRY(cloth_grow(sim, part, "aim", sizeof(cloth_real) * 3 * n, &part->aim, err));
+    CLOTH_TRY(cloth_grow(sim, part, "aim", sizeof(cloth_real) * 6 * n, &part->aim, err));
     CLOTH_TRY(
         cloth_grow(sim, part, "ignore", (size_t)(sim->hold_capacity * bodies), &part->ignore, err));
   }
@@ -150,6 +151,24 @@ cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err)
   return CLOTH_OK;
 }
 
+// place and residual of each held vertex [held x 6] in sim->host, each from the part that owns it
+static cloth_status measure_held(cloth_sim *sim, cloth_error *err)
+{
+  size_t n = 6 * (size_t)sim->held_count;
+  CLOTH_TRY(cloth_staging(sim, 2 * n, err));
+  for (int p = 0; p < sim->part_count; p++) {
+    cloth_part *part = &sim->part[p];
+    cloth_real *read = p == 0 ? sim->host : sim->host + n;
+    cloth_hold_measure_args a = {part->held, part->x, part->r, part->aim};
+    CLOTH_LAUNCH(sim, part, hold_measure, sim->held_count, &a, err);
+    CLOTH_TRY(sim->backend->read(part->device, read, part->aim, sizeof(cloth_real) * n, err));
+    for (int i = 0; p > 0 && i < sim->held_count; i++)
+      if (sim->held_index[i] >= part->v0 && sim->held_index[i] < part->v1)
+        memcpy(sim->host + 6 * i, read + 6 * i, 6 * sizeof *read);
+  }
+  return CLOTH_OK;
+}
+
 void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],
                           const double f[3])
 {
@@ -165,29 +184,19 @@ void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err)
 {
   if (sim->held_count == 0) return CLOTH_OK;
-  size_t n = 3 * (size_t)sim->vertex_count;
-  CLOTH_TRY(cloth_staging(sim, 2 * n, err));
-  cloth_real *x = sim->host, *r = sim->host + n;
-  CLOTH_TRY(
-      sim->backend->read(sim->part[0].device, x, sim->part[0].x, sizeof(cloth_real) * n, err));
-  for (int p = 0; p < sim->part_count; p++) {
-    const cloth_part *part = &sim->part[p];
-    size_t at = 3 * (size_t)part->v0, rows = 3 * (size_t)(part->v1 - part->v0);
-    CLOTH_TRY(
-        sim->backend->read(part->device, r + at, part->r + at, sizeof(cloth_real) * rows, err));
-  }
+  CLOTH_TRY(measure_held(sim, err));
   for (int h = 0; h < sim->hold_count; h++) {
     cloth_hold_state *hold = &sim->hold[h];
     memset(hold->force, 0, sizeof hold->force), memset(hold->torque, 0, sizeof hold->torque);
     if (!hold->alive) continue;
     cloth_pose frame = cloth_hold_frame(sim, hold, 1);
     for (int i = 0; i < hold->count; i++) {
-      int v = hold->vertex[i];
+      const cloth_real *x = sim->host + 6 * (hold->first + i), *r = x + 3;
       double f[3], at[3], aim[3];
       cloth_pose_point(&frame, hold->local + 3 * i, aim);
       for (int k = 0; k < 3; k++) {
-        at[k] = (double)x[3 * v + k];
-        f[k] = hold->rigid ? -(double)r[3 * v + k] : hold->stiffness * (aim[k] - at[k]);
+        at[k] = (double)x[k];
+        f[k] = hold->rigid ? -(double)r[k] : hold->stiffness * (aim[k] - at[k]);
       }
       cloth_hold_add_force(hold, &frame, at, f);
     }

@@ -185,6 +185,18 @@ static int shuffled(const char *precision)
 }
 BOTH(work_in_random_order_gives_the_same_bits, shuffled)
 
+static int on_gpu(const char *precision)
+{
+  static const char *const devices[] = {"0", "0,0,0"}, *const searches[] = {"bins", "all_pairs"};
+  for (int i = 0; i < 4; i++) {
+    how h = plain(precision);
+    h.backend = "cuda", h.devices = devices[i % 2], h.search = searches[i / 2];
+    if (compare(&h)) return 1;
+  }
+  return 0;
+}
+BOTH(a_gpu_gives_the_bits_of_a_cpu, on_gpu)
+
 static int pairs(const char *precision)
 {
   how h = plain(precision);
@@ -322,10 +334,12 @@ BOTH(a_warm_step_allocates_nothing, memory)
 int main(int argc, char **argv)
 {
   int failures = 0;
+  bool gpu = cuda_is_there();
   RUN(the_scene_has_contact_of_both_kinds_and_blocks_that_were_cut);
   RUN(any_number_of_threads_gives_the_same_bits);
   RUN(any_number_of_parts_gives_the_same_bits);
   RUN(work_in_random_order_gives_the_same_bits);
+  RUN_ON(gpu, a_gpu_gives_the_bits_of_a_cpu);
   RUN(bins_and_all_pairs_give_the_same_bits);
   RUN(particles_that_fly_into_each_other_are_not_missed);
   RUN(a_run_after_a_reset_gives_the_bits_of_the_first);

@@ -70,6 +70,9 @@ CLOTH_KERNEL_UNEVEN(zone_solve, 2)
 
 // solve
 CLOTH_KERNEL(assemble_row, 32)
+CLOTH_KERNEL(halo_contact, 1024)
+CLOTH_KERNEL(halo_chunk, 64)
+CLOTH_KERNEL(halo_order, 1024)
 CLOTH_KERNEL(coarse_chunk, 4)
 CLOTH_KERNEL(coarse_sum, 8)
 CLOTH_KERNEL(coarse_factor, 2)

@@ -14,9 +14,9 @@
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_finish.h"
+#include "pcg_part.h"
 #include "pcg_product.h"
 #include "pcg_residual.h"
-#include "pcg_solve.h"
 #include "pcg_start.h"
 #include "pcg_update.h"
 #include "solve/hats.h"
@@ -255,10 +255,8 @@ static cloth_status iterate_all(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
-// The same in one call, where the backend can and there is nothing to exchange.
-static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
+static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p)
 {
-  cloth_part *p = &sim->part[0];
   const cloth_real *done = done_flag(p);
   size_t sums = (size_t)(sim->chunks + sim->hat_groups);
   cloth_pcg_solve_args a = {.v = vectors(sim, p),
@@ -271,8 +269,48 @@ static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
                             .beta = beta_args(sim, p, 1),
                             .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
                             .iterations_max = sim->params.pcg_iterations_max};
+  return a;
+}
+
+// The same in one call, where the backend can and there is nothing to exchange.
+static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
+{
+  cloth_pcg_solve_args a = solve_args(sim, &sim->part[0]);
   sim->launches++;
-  return sim->backend->solve(p->device, &a, err);
+  return sim->backend->solve(sim->part[0].device, &a, err);
+}
+
+static cloth_pcg_part_args part_args(const cloth_sim *sim, const cloth_part *p)
+{
+  cloth_pcg_part_args a = {.solve = solve_args(sim, p),
+                           .parts = sim->part_count,
+                           .me = p->index,
+                           .whole = sim->params.exchange == CLOTH_EXCHANGE_WHOLE,
+                           .overlap = sim->params.overlap,
+                           .reader = p->reader,
+                           .chunk_reader = p->chunk_reader,
+                           .order = p->halo_order,
+                           .outer = p->halo_outer};
+  for (int j = 0; j < sim->part_count; j++)
+    a.peer[j] =
+        (cloth_pcg_peer){sim->part[j].p, sim->part[j].partial, sim->part[j].pq, sim->part[j].flag};
+  return a;
+}
+
+// The same by all parts at once, in each other's memory. All must be through with that before.
+static cloth_status solve_together(cloth_sim *sim, cloth_error *err)
+{
+  cloth_pcg_part_args a[CLOTH_PARTS_MAX];
+  cloth_device *device[CLOTH_PARTS_MAX];
+  CLOTH_TRY(cloth_halo_update(sim, err));
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(sim->backend->fill(p->device, p->flag, 0, sizeof(int) * CLOTH_FLAG_WORDS, err));
+    a[i] = part_args(sim, p), device[i] = p->device;
+  }
+  CLOTH_TRY(cloth_meet(sim, err));
+  sim->launches += sim->part_count;
+  return sim->backend->solve_parts(sim->part_count, device, a, err);
 }
 
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
@@ -281,12 +319,16 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
   CLOTH_TRY(coarsen(sim, err));
   if (sim->part_count == 1 && sim->backend->solve != NULL)
     CLOTH_TRY(solve_at_once(sim, err));
+  else if (sim->joined)
+    CLOTH_TRY(solve_together(sim, err));
   else
     CLOTH_TRY(iterate_all(sim, err));
   CLOTH_TRY(residual(sim, err));
   CLOTH_TRY(correct(sim, err));
   CLOTH_TRY(read_scalars(sim, scalar, err));
 
+  if (scalar[CLOTH_PCG_LOST] > 0)
+    CLOTH_FAIL(err, CLOTH_DEVICE_LOST, "a device did not answer the others within a solve");
   double bb = (double)scalar[CLOTH_PCG_BB], rr = (double)scalar[CLOTH_PCG_RESIDUAL];
   double relative = bb > 0 ? sqrt(rr / bb) : 0;
   cloth_step_report *report = sim->report;

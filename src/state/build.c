@@ -21,6 +21,15 @@ enum { CLOTH_TWO_LEVEL = 1, CLOTH_MULTILEVEL = 2 }; // of the parameter precondi
 
 // ---- devices and parts --------------------------------------------------------------------------
 
+// can they solve together, and are they told to?
+static bool parts_join(const cloth_sim *sim)
+{
+  cloth_device *device[CLOTH_DEVICES_MAX];
+  for (int p = 0; p < sim->part_count; p++) device[p] = sim->part[p].device;
+  return sim->part_count > 1 && sim->params.exchange != CLOTH_EXCHANGE_LAUNCHES &&
+         sim->backend->solve_parts != NULL && sim->backend->joined(sim->part_count, device);
+}
+
 // parts own whole chunks, so that sums over chunks do not depend on the cut
 static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
 {
@@ -46,6 +55,7 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
     CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_begin, err));
     CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_end, err));
   }
+  sim->joined = parts_join(sim);
   return CLOTH_OK;
 }
 

@@ -25,6 +25,8 @@
 typedef struct cloth_sim cloth_sim;
 typedef struct cloth_bend_rest cloth_bend_rest; // effect/bend_rest.h
 
+enum { CLOTH_EXCHANGE_HALO, CLOTH_EXCHANGE_WHOLE, CLOTH_EXCHANGE_LAUNCHES }; // parameter `exchange`
+
 enum { CLOTH_CORE = -1 }; // owner of memory and launches that belong to no effect
 
 /// Memory on a device that is owned by the sim and freed with it.
@@ -153,10 +155,16 @@ typedef struct cloth_part {
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
-  cloth_real *commit, *largest;                 // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
-  cloth_real *x_saved, *v_saved;                // [n x 3] start of the whole step, for going back
-  cloth_real *balance;                          // [3] m, solve/balance.c
-  cloth_real *box_of_chunk;                     // [chunks x 6] m
+  uint32_t *reader_mesh, *reader; // [rows of the part] of the mesh, of all: halo_contact.h; NULL
+                                  // where parts are not joined
+  uint32_t *chunk_reader, *halo_place, *halo_order; // [chunks of the part (+ 1)] halo_order.h
+  uint32_t *halo_outer;                             // [2]
+  cloth_real *pq;                                   // [chunks] pcg_part.h
+  int *flag;                                        // [CLOTH_FLAG_WORDS]
+  cloth_real *commit, *largest;                     // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
+  cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
+  cloth_real *balance;           // [3] m, solve/balance.c
+  cloth_real *box_of_chunk;      // [chunks x 6] m
   cloth_event *ready, *sent;
   cloth_event *stage_begin, *stage_end;   // with the parameter `profile`
   cloth_event *launch_begin, *launch_end; // with `profile` 2
@@ -209,6 +217,7 @@ struct cloth_sim {
   const cloth_backend *backend;
   char backend_why[200];
   int part_count;
+  bool joined; // the parts solve together, in each other's memory: pcg_part.h
   cloth_part part[CLOTH_DEVICES_MAX];
 
   // numbering
@@ -411,13 +420,25 @@ cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
 int cloth_impacts_of_cloth(const cloth_sim *sim); // of cloth with cloth, of those last found
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
-// ---- parts (solve/exchange.c) -------------------------------------------------------------------
+// ---- parts (solve/exchange.c, solve/halo.c) -----------------------------------------------------
 
 /// Each part sends its own rows of a vector to all others. `field` is the vector's offset in
 /// cloth_part; per_chunk: rows are chunks instead of vertices; `row` bytes each. Queued, not
 /// finished.
 cloth_status cloth_exchange(cloth_sim *sim, size_t field, bool per_chunk, size_t row,
                             cloth_error *err);
+
+/// What is queued next on COMPUTE of any part starts when all parts have done what was queued
+/// before.
+cloth_status cloth_meet(cloth_sim *sim, cloth_error *err);
+
+/// Who reads which rows of a part: the mesh's share, from the columns of its rows [rows + 1], and
+/// what a solve by joined parts needs. Nothing where they are not joined.
+cloth_status cloth_halo_build(cloth_sim *sim, cloth_part *part, const int *first, const int *col,
+                              cloth_error *err);
+
+/// The same with the contacts of this system, on all parts.
+cloth_status cloth_halo_update(cloth_sim *sim, cloth_error *err);
 
 /// Copy on one device, in order with its COMPUTE queue.
 cloth_status cloth_copy_local(cloth_sim *sim, cloth_part *part, void *dst, const void *src,

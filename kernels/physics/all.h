@@ -15,6 +15,7 @@
 #include "box_chunk.h"
 #include "cell_count.h"
 #include "cell_fill.h"
+#include "cell_mark.h"
 #include "coarse_chunk.h"
 #include "coarse_factor.h"
 #include "coarse_inverse.h"

@@ -134,8 +134,6 @@ static int rows_that_need_nobody_go_first(void)
   uint64_t one = run(1, "halo", "on", 0);
   for (unsigned seed = 1; seed < 4; seed++) {
     CHECK(run(2, "halo", "on", 77 * seed) == one);
-    printf("inner %d solves %d sent %d needed %d\n", dice.inner, dice.solves, dice.sent,
-           dice.needed);
     CHECK(dice.inner >= dice.solves && dice.sent == dice.needed);
   }
   upper_z = 0.0055;

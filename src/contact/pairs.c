@@ -180,8 +180,9 @@ static cloth_status mark_cells(cloth_sim *sim, cloth_part *p, const hash *h, clo
 static cloth_status grow_active(cloth_sim *sim, cloth_part *p, size_t active, cloth_error *err)
 {
   if (active <= p->active_capacity) return CLOTH_OK;
+  size_t bodies = active - (size_t)sim->triangle_count;
   CLOTH_TRY(cloth_grow(sim, p, "cells", 4 * (active + 1), &p->cells, err));
-  CLOTH_TRY(cloth_grow(sim, p, "large", 4 * (active + 1), &p->large, err));
+  CLOTH_TRY(cloth_grow(sim, p, "large", 4 * (bodies + 1), &p->large, err));
   p->active_capacity = (uint32_t)active;
   return CLOTH_OK;
 }

@@ -283,8 +283,8 @@ cloth_status cloth_hats_update(cloth_sim *sim, cloth_error *err)
                             .block = p->hat_block};
     CLOTH_LAUNCH(sim, p, hat_row, p->v1 - p->v0, &a, err);
   }
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, hat_block), false, BLOCKS * sizeof(cloth_real),
-                           err));
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, hat_block), CLOTH_PER_VERTEX,
+                           BLOCKS * sizeof(cloth_real), err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     cloth_hat_matrix_args m = {p->hats, p->hat_block, p->hat_part};
@@ -304,7 +304,8 @@ cloth_hat_rest_args cloth_hats_args(const cloth_sim *sim, const cloth_part *p,
 
 cloth_status cloth_hats_correct(cloth_sim *sim, bool start, cloth_error *err)
 {
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, r), false, 3 * sizeof(cloth_real), err));
+  CLOTH_TRY(
+      cloth_exchange(sim, offsetof(cloth_part, r), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real), err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     const cloth_real *done = start ? NULL : p->scalar + CLOTH_PCG_DONE;

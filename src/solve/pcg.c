@@ -47,7 +47,7 @@ static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
 
 static cloth_status exchange_partial(cloth_sim *sim, cloth_error *err)
 {
-  return cloth_exchange(sim, offsetof(cloth_part, partial), true,
+  return cloth_exchange(sim, offsetof(cloth_part, partial), CLOTH_PER_CHUNK,
                         CLOTH_PCG_PARTIALS * sizeof(cloth_real), err);
 }
 
@@ -120,6 +120,13 @@ static cloth_status product(cloth_sim *sim, bool of_dx, cloth_error *err)
   return CLOTH_OK;
 }
 
+// the aggregate that begins with this vertex, where a part does
+static int aggregate_at(const cloth_sim *sim, int vertex)
+{
+  int chunk = (vertex + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+  return (int)((int64_t)chunk * sim->aggregates / sim->chunks);
+}
+
 // what the coarser levels need, from the first linear system of a substep
 static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
 {
@@ -142,12 +149,16 @@ static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
                                  .slice = p->slice};
     CLOTH_LAUNCH(sim, p, coarse_chunk, cloth_part_chunks(p), &a, err);
   }
-  size_t row = sizeof(cloth_real) * 9 * (size_t)sim->aggregates;
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, slice), true, row, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_coarse_sum_args m = {sim->chunks, sim->aggregates, p->slice, p->factor};
-    CLOTH_LAUNCH(sim, p, coarse_sum, sim->aggregates, &m, err);
+    int first = aggregate_at(sim, p->v0), end = aggregate_at(sim, p->v1);
+    cloth_coarse_sum_args m = {sim->chunks, sim->aggregates, first, p->slice, p->factor};
+    CLOTH_LAUNCH(sim, p, coarse_sum, end - first, &m, err);
+  }
+  size_t row = sizeof(cloth_real) * 9 * (size_t)sim->aggregates; // three columns
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, factor), CLOTH_PER_AGGREGATE, row, err));
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
     cloth_coarse_factor_args f = {sim->aggregates, p->factor, p->usable};
     CLOTH_LAUNCH(sim, p, coarse_factor, 1, &f, err);
     cloth_coarse_inverse_args a = {sim->aggregates, p->factor, p->usable, p->inverse};
@@ -180,7 +191,8 @@ static cloth_status direction(cloth_sim *sim, cloth_error *err)
     cloth_pcg_direction_args a = {vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_direction, cloth_part_chunks(&sim->part[i]), &a, err);
   }
-  return cloth_exchange(sim, offsetof(cloth_part, p), false, 3 * sizeof(cloth_real), err);
+  return cloth_exchange(sim, offsetof(cloth_part, p), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real),
+                        err);
 }
 
 static cloth_status start(cloth_sim *sim, cloth_error *err)
@@ -211,7 +223,8 @@ static cloth_status iterate(cloth_sim *sim, cloth_error *err)
 // the true residual, and the reactions of held rows in r
 static cloth_status residual(cloth_sim *sim, cloth_error *err)
 {
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, dx), false, 3 * sizeof(cloth_real), err));
+  CLOTH_TRY(
+      cloth_exchange(sim, offsetof(cloth_part, dx), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real), err));
   CLOTH_TRY(product(sim, true, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_pcg_residual_args a = {vectors(sim, &sim->part[i])};

@@ -151,8 +151,9 @@ typedef struct cloth_part {
   int row_slots, row_widest; // slots of all groups, of the longest row
   int *row_first, *row_col;
   cloth_real *row_val;
-  cloth_real *b, *dx, *r, *z, *p, *q; // [n x 3]
-  cloth_real *inverse_diagonal;       // [n x 6]
+  cloth_real *dx, *p;           // [n x 3]
+  cloth_real *b, *r, *z, *q;    // [n x 3], of which only the part's own are there
+  cloth_real *inverse_diagonal; // [n x 6], likewise
   cloth_real *partial, *scalar;
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
@@ -424,10 +425,13 @@ cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
 // ---- parts (solve/exchange.c, solve/halo.c) -----------------------------------------------------
 
+/// What a row of an array stands for. Parts own whole chunks, and with a coarse level whole
+/// aggregates.
+typedef enum cloth_rows_of { CLOTH_PER_VERTEX, CLOTH_PER_CHUNK, CLOTH_PER_AGGREGATE } cloth_rows_of;
+
 /// Each part sends its own rows of a vector to all others. `field` is the vector's offset in
-/// cloth_part; per_chunk: rows are chunks instead of vertices; `row` bytes each. Queued, not
-/// finished.
-cloth_status cloth_exchange(cloth_sim *sim, size_t field, bool per_chunk, size_t row,
+/// cloth_part; `row` bytes each. Queued, not finished.
+cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, size_t row,
                             cloth_error *err);
 
 /// What is queued next on COMPUTE of any part starts when all parts have done what was queued

@@ -4,7 +4,7 @@
 
 #include "loops.h"
 
-typedef enum phase { START, TURN, INNER, OUTER, UPDATE, ENDED } phase;
+typedef enum phase { START, FINE, TURN, INNER, OUTER, UPDATE, ENDED } phase;
 
 typedef struct machine {
   const cloth_pcg_part_args *a;
@@ -41,6 +41,8 @@ static bool may_run(const machine *m)
 {
   int k = m->iteration;
   switch (m->next) {
+  case FINE:
+    return have(m, CLOTH_START_SIGNAL);
   case TURN:
     return have(m, cloth_residuals_signal(k));
   case INNER:
@@ -57,6 +59,12 @@ static bool may_run(const machine *m)
 }
 
 // ---- what is sent -------------------------------------------------------------------------------
+
+// r at the start, else q, of rows that others' nodes sum over
+static void send_to_nodes(const machine *m, bool start)
+{
+  for (int row = 0; row < m->a->solve.v.count; row++) cloth_hat_row_send(m->a, row, start);
+}
 
 // the sums of r of the part's chunks
 static void send_residuals(const machine *m)
@@ -86,6 +94,7 @@ static void send_products(const machine *m)
 {
   const cloth_pcg_vectors *v = &m->a->solve.v;
   int begin = v->first / CLOTH_CHUNK;
+  send_to_nodes(m, false);
   for (int j = 0; j < m->a->parts; j++)
     for (int c = begin; c < begin + chunks_of(m); c++)
       m->a->peer[j].pq[c] = v->partial[(size_t)c * CLOTH_PCG_PARTIALS];
@@ -104,6 +113,30 @@ static void multiply(const machine *m, bool outer)
   for (int k = begin; k < end; k++) cloth_pcg_product((int)m->a->order[k], &s->product);
 }
 
+static bool has_hats(const machine *m) { return m->a->solve.v.hats.nodes > 0; }
+
+// own nodes of the hats' first level, and all that others know after the residuals
+static phase fine(const machine *m)
+{
+  const cloth_hat_share *s = &m->a->share;
+  cloth_hat_rest_args hats = m->a->solve.hats;
+  hats.done = NULL;
+  for (int i = cloth_hat_share_begin(s); has_hats(m) && i < cloth_hat_share_end(s); i++) {
+    cloth_hat_rest(i, &hats);
+    cloth_hat_group_send(m->a, i);
+  }
+  for (int c = s->begin; has_hats(m) && c < s->end; c++) cloth_hat_node_send(m->a, c);
+  send_residuals(m);
+  return TURN;
+}
+
+static void spread(const machine *m)
+{
+  const cloth_hats *h = &m->a->solve.v.hats;
+  for (int c = 0; has_hats(m) && c < h->fine; c++)
+    if (cloth_hat_is_mine(m->a, c)) cloth_hat_spread_node(c, h);
+}
+
 // what is left after the residuals: coarse correction, beta, direction
 static phase turn(const machine *m)
 {
@@ -112,14 +145,17 @@ static phase turn(const machine *m)
   cloth_pcg_direction_args direction = {s->v};
   cloth_coarse_rest_args rest = s->rest;
   cloth_coarse_solve_args coarse = s->coarse;
-  beta.start = m->iteration == 0;
+  cloth_hat_rest_args hats = s->hats;
+  beta.start = m->iteration == 0, hats.done = NULL;
   if (beta.start) rest.done = coarse.done = NULL; // it is still that of the solve before
   if (s->v.coarse) {
     run(m, CLOTH_KERNEL_coarse_rest, s->v.aggregates, &rest);
     run(m, CLOTH_KERNEL_coarse_solve, 3 * s->v.aggregates, &coarse);
   }
+  if (has_hats(m)) run(m, CLOTH_KERNEL_hat_rest_upper, cloth_hat_groups(&hats.hats), &hats);
   cloth_pcg_beta(0, &beta);
   if (s->v.scalar[CLOTH_PCG_DONE] > 0 || m->iteration == s->iterations_max) return ENDED;
+  spread(m);
   run(m, CLOTH_KERNEL_pcg_direction, chunks_of(m), &direction);
   send_directions(m);
   return INNER;
@@ -133,9 +169,10 @@ static phase update(machine *m)
   cloth_pcg_alpha_set(s->v.scalar, cloth_chunks_sum(pq, s->v.chunks, 1));
   if (s->v.scalar[CLOTH_PCG_DONE] > 0) return ENDED;
   run(m, CLOTH_KERNEL_pcg_update, chunks_of(m), &u);
+  for (int i = 0; i < m->a->share.other_count; i++)
+    cloth_hat_row_update(m->a, i, s->v.scalar[CLOTH_PCG_ALPHA]);
   m->iteration++;
-  send_residuals(m);
-  return TURN;
+  return fine(m);
 }
 
 static phase go_on(machine *m)
@@ -144,8 +181,11 @@ static phase go_on(machine *m)
   switch (m->next) {
   case START:
     run(m, CLOTH_KERNEL_pcg_start, chunks_of(m), &start);
-    send_residuals(m);
-    return TURN;
+    send_to_nodes(m, true);
+    signal(m, CLOTH_START_SIGNAL);
+    return has_hats(m) ? FINE : fine(m);
+  case FINE:
+    return fine(m);
   case TURN:
     return turn(m);
   case INNER:

@@ -148,16 +148,15 @@ template <typename Row> __device__ void for_levels(const part_args &a, cloth_rea
   int chunks = (v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
   for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
     int i = c + (int)threadIdx.x / CLOTH_CHUNK, k = v.first + i * CLOTH_CHUNK + lane;
-    cloth_real sum[CLOTH_PCG_PARTIALS];
     cloth_v3 r = cloth_v3_make(0, 0, 0);
     bool there = k < v.first + v.count;
     if (there) r = row(k);
-    cloth_block_z(&v, k, there, r, sum, upper);
-    if (lane == 0 && i < chunks)
-      for (int j = 0; j < a.parts; j++) {
-        cloth_real *to = a.peer[j].partial + CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK);
-        for (int f = 0; f < CLOTH_PCG_PARTIALS; f++) to[f] = sum[f];
-      }
+    cloth_block_z(&v, k - lane, k, there, r, upper);
+    if (lane > 0 || i >= chunks) continue;
+    const cloth_real *from = v.partial + CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK);
+    for (int j = 0; j < a.parts; j++)
+      for (int f = 0; j != a.me && f < (v.coarse ? CLOTH_PCG_PARTIALS : 2); f++)
+        a.peer[j].partial[from - v.partial + f] = from[f];
   }
 }
 
@@ -180,6 +179,7 @@ __device__ void for_rows(const grid &g, int begin, int end, int wait, int number
     if (at < end && row < a.solve.v.count)
       sum[0] = cloth_pcg_product_row(row, &product,
                                      cloth_block_row_product(&product.rows, row, product.x));
+    if (at < end && row < a.solve.v.count) cloth_hat_row_send(&a, row, 0);
     cloth_block_chunk_sums(sum, upper);
     if (lane == 0 && at < end)
       for (int j = 0; j < a.parts; j++) a.peer[j].pq[a.solve.v.first / CLOTH_CHUNK + i] = sum[0];
@@ -240,10 +240,52 @@ __device__ void alpha_of(const grid &g, cloth_real *lanes)
   if (threadIdx.x == 0) cloth_pcg_alpha_set(g.a.solve.v.scalar, pq);
 }
 
-// by one block; sums [2]: r'z of the block Jacobi part, r'r
-__device__ void beta_of(const cloth_pcg_solve_args &a, const volatile cloth_real *sums, int start)
+// The sums r'z and r'r over all entries of `partial`, as cloth_partial_sum() has them, in two
+// steps, because the last entries come later. First what each lane adds of entries [0, end), by one
+// block.
+__device__ void add_lanes(const cloth_pcg_beta_args &b, int end, cloth_real *sums)
 {
-  cloth_real rz = sums[0], rr = sums[1];
+  int l = (int)threadIdx.x;
+  cloth_real rz = 0, rr = 0;
+#pragma unroll 8
+  for (int c = l; c < end; c += CLOTH_PCG_LANES)
+    rz += b.partial[CLOTH_PCG_PARTIALS * c], rr += b.partial[CLOTH_PCG_PARTIALS * c + 1];
+  sums[l] = rz, sums[CLOTH_PCG_LANES + l] = rr;
+}
+
+// Then the rest, by one block; on thread 0.
+__device__ void add_rest(const cloth_pcg_beta_args &b, int begin, const volatile cloth_real *sums,
+                         cloth_real (&sum)[2], cloth_real *shared)
+{
+  int l = (int)threadIdx.x, lane = l % CLOTH_WARP, warp = l / CLOTH_WARP;
+  int c = begin + ((l - begin) % CLOTH_PCG_LANES + CLOTH_PCG_LANES) % CLOTH_PCG_LANES;
+  for (int f = 0; f < 2; f++) sum[f] = sums[f * CLOTH_PCG_LANES + l];
+  for (; c < b.sums; c += CLOTH_PCG_LANES)
+    for (int f = 0; f < 2; f++) sum[f] += b.partial[CLOTH_PCG_PARTIALS * c + f];
+  for (int width = WARPS / 2; width > 0; width /= 2)
+    for (int f = 0; f < 2; f++) {
+      __syncthreads();
+      if (warp >= width && warp < 2 * width) shared[(warp - width) * CLOTH_WARP + lane] = sum[f];
+      __syncthreads();
+      if (warp < width) sum[f] += shared[warp * CLOTH_WARP + lane];
+    }
+  if (warp == 0)
+    for (int f = 0; f < 2; f++) sum[f] = cloth_warp_sum(sum[f]);
+}
+
+// entries of `partial` that are there before the levels beyond the first are corrected
+__device__ int sums_before(const cloth_pcg_solve_args &a)
+{
+  return a.v.chunks + (a.v.hats.nodes > 0 ? cloth_hat_fine_groups(&a.v.hats) : 0);
+}
+
+// by one block; sums [2 x LANES] of add_lanes()
+__device__ void beta_of(const cloth_pcg_solve_args &a, const cloth_real *sums, int start,
+                        cloth_real *lanes)
+{
+  cloth_real two[2];
+  add_rest(a.beta, sums_before(a), sums, two, lanes);
+  cloth_real rz = two[0], rr = two[1];
   if (a.v.coarse && threadIdx.x < CLOTH_WARP) { // cloth_coarse_rz() by a warp
     cloth_real sum = 0;
     for (int k = (int)threadIdx.x; k < 3 * a.v.aggregates; k += CLOTH_COARSE_LANES)
@@ -256,19 +298,32 @@ __device__ void beta_of(const cloth_pcg_solve_args &a, const volatile cloth_real
   cloth_pcg_beta_set(&beta, rz, rr);
 }
 
-// The first block adds up r'z and r'r while the others restrict r to the aggregates; every device
-// does all of both.
+// own nodes of the hats' first level, for everybody
+__device__ void correct_finely(const part_args &a, cloth_real *lanes)
+{
+  int node = (int)threadIdx.x / CLOTH_HAT_FINE_LANES;
+  bool sends = threadIdx.x % CLOTH_HAT_FINE_LANES == 0; // what it stored itself
+  for (int i = cloth_hat_share_begin(&a.share) + (int)blockIdx.x; i < cloth_hat_share_end(&a.share);
+       i += (int)gridDim.x) {
+    int c = i * CLOTH_HAT_FINE_GROUP + node;
+    cloth_block_hat_rest(&a.solve.hats, i, lanes);
+    if (sends && c < a.share.end) cloth_hat_node_send(&a, c);
+    if (threadIdx.x == 0) cloth_hat_group_send(&a, i);
+  }
+}
+
+// The first block adds up r'z and r'r while the others restrict r to the aggregates, or correct the
+// hats' other levels; every device does all of it.
 __device__ void restrict_and_sum(const cloth_pcg_solve_args &a, cloth_real *sums, cloth_real *lanes)
 {
   int helpers = gridDim.x > 1 ? 1 : 0, warp = (int)threadIdx.x / CLOTH_WARP;
-  if (blockIdx.x == 0) {
-    cloth_real two[2];
-    cloth_block_partial_sums(a.beta.partial, a.beta.chunks, two, lanes);
-    if (threadIdx.x == 0) sums[0] = two[0], sums[1] = two[1];
-  }
-  if (!a.v.coarse || (int)blockIdx.x < helpers) return;
-  for (int k = ((int)blockIdx.x - helpers) * WARPS + warp; k < 3 * a.v.aggregates;
-       k += ((int)gridDim.x - helpers) * WARPS) {
+  int first = (int)blockIdx.x - helpers, blocks = (int)gridDim.x - helpers;
+  if (blockIdx.x == 0) add_lanes(a.beta, sums_before(a), sums);
+  if (first < 0) return;
+  const cloth_hats *h = &a.v.hats;
+  for (int i = first; h->nodes > 0 && i < cloth_hat_groups(h); i += blocks)
+    cloth_block_hat_upper(&a.hats, i, lanes);
+  for (int k = first * WARPS + warp; a.v.coarse && k < 3 * a.v.aggregates; k += blocks * WARPS) {
     int lane = (int)threadIdx.x % CLOTH_WARP;
     cloth_real sum = cloth_warp_sum(cloth_coarse_rest_lane(&a.rest, k / 3, k % 3, lane));
     if (lane == 0) a.rest.rest[k] = sum;
@@ -301,6 +356,12 @@ __device__ void directions(const part_args &a)
 __device__ bool turn(grid &g, int k, cloth_real *sums, cloth_real *lanes)
 {
   const cloth_pcg_solve_args &a = g.a.solve;
+  bool hats = a.v.hats.nodes > 0;
+  int stride = (int)(gridDim.x * blockDim.x);
+  if (hats) {
+    if (k > 0) barrier(g);
+    correct_finely(g.a, lanes);
+  }
   barrier(g, true, [&] {
     signal(g, cloth_residuals_signal(k));
     await(g, cloth_residuals_signal(k));
@@ -310,19 +371,38 @@ __device__ bool turn(grid &g, int k, cloth_real *sums, cloth_real *lanes)
     barrier(g);
     correct_coarsely(a);
   }
-  barrier(g, false, [&] { beta_of(a, sums, k == 0); });
+  barrier(g, false, [&] { beta_of(a, sums, k == 0, lanes); });
   if (*static_cast<volatile cloth_real *>(a.v.scalar + CLOTH_PCG_DONE) > 0) return false;
   if (k == a.iterations_max || is_lost(g)) return false;
+  for (int c = (int)(blockIdx.x * blockDim.x + threadIdx.x); hats && c < a.v.hats.fine; c += stride)
+    if (cloth_hat_is_mine(&g.a, c)) cloth_hat_spread_node(c, &a.v.hats);
+  if (hats) barrier(g);
   directions(g.a);
   barrier(g, true, [&] { signal(g, cloth_directions_signal(k)); });
   return true;
+}
+
+// r of the first residual to those whose nodes sum over it
+__device__ void start_nodes(grid &g)
+{
+  int stride = (int)(gridDim.x * blockDim.x);
+  barrier(g);
+  for (int row = (int)(blockIdx.x * blockDim.x + threadIdx.x); row < g.a.solve.v.count;
+       row += stride)
+    cloth_hat_row_send(&g.a, row, 1);
+  barrier(g, true, [&] {
+    signal(g, CLOTH_START_SIGNAL);
+    await(g, CLOTH_START_SIGNAL);
+  });
 }
 
 __device__ void iterate(grid &g, cloth_real *sums, cloth_real *upper, cloth_real *lanes)
 {
   const part_args &a = g.a;
   const cloth_pcg_vectors &v = a.solve.v;
+  int thread = (int)(blockIdx.x * blockDim.x + threadIdx.x), stride = (int)(gridDim.x * blockDim.x);
   for_levels(a, upper, [&](int i) { return cloth_pcg_start_row(i, &v); });
+  if (v.hats.nodes > 0) start_nodes(g);
   for (int k = 0; turn(g, k, sums, lanes); k++) {
     product(g, cloth_directions_signal(k), upper);
     barrier(g, true, [&] {
@@ -333,6 +413,7 @@ __device__ void iterate(grid &g, cloth_real *sums, cloth_real *upper, cloth_real
     if (*static_cast<volatile cloth_real *>(v.scalar + CLOTH_PCG_DONE) > 0) return;
     cloth_real alpha = v.scalar[CLOTH_PCG_ALPHA];
     for_levels(a, upper, [&](int i) { return cloth_pcg_update_row(i, &v, alpha); });
+    for (int i = thread; i < a.share.other_count; i += stride) cloth_hat_row_update(&a, i, alpha);
   }
 }
 
@@ -356,7 +437,7 @@ cloth_status prepare(cloth_device *d, void **sums, cloth_error *err)
     CUDA_TRY(err, cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, part_kernel, THREADS, 0));
     d->part_blocks = each * d->multiprocessors;
   }
-  return cloth_cuda_scratch(d, 2 * sizeof(cloth_real), sums, err);
+  return cloth_cuda_scratch(d, 2 * CLOTH_PCG_LANES * sizeof(cloth_real), sums, err);
 }
 
 int blocks_for(const cloth_device *d, const part_args *a)

@@ -2,9 +2,19 @@
 // asks the host anything: it writes what the others need into their memory, and tells them by a
 // count of signals. In this order, iteration after iteration:
 //
-//   signal 3 k + 1  residuals: sums of r'z, r'r and r of its chunks lie in everybody's `partial`
-//   signal 3 k + 2  directions: p of the rows that others read lies in their `p`
-//   signal 3 k + 3  products: sums of p'q of its chunks lie in everybody's `pq`
+//   signal 1        start, with hats only: r of the rows that others' nodes sum over lies in their
+//   `r` signal 3 k + 2  residuals: sums of r'z, r'r and r of its chunks lie in everybody's
+//   `partial`; of
+//                   its nodes of hats, the residuals in everybody's `hat_rest`, the corrections in
+//                   their `hat_correction` who interpolate them
+//   signal 3 k + 3  directions: p of the rows that others read lies in their `p`
+//   signal 3 k + 4  products: sums of p'q of its chunks lie in everybody's `pq`, q of the rows that
+//                   others' nodes sum over in their `q`
+//
+// A node of the first level of hats belongs to one part, which sums over all its vertices in one
+// order. Of vertices that are others' it keeps r itself, from the q it is sent: r' = r - alpha q is
+// the same bits everywhere, so r need not travel, which would take a signal of its own. The
+// other levels are small, and every part does them all.
 //
 // Who has everybody's signal of residuals or products adds all chunk sums in one order, so that the
 // scalars, and with them what each part does next, are the same bits everywhere. Nothing that is
@@ -17,6 +27,7 @@
 // so that each row is summed in one piece and in one order).
 #pragma once
 
+#include "hat_share.h"
 #include "pcg_solve.h"
 
 enum {
@@ -28,10 +39,12 @@ enum {
 
 // memory of one part that the others write
 typedef struct cloth_pcg_peer {
-  cloth_real *p;       // [vertices x 3]
-  cloth_real *partial; // [chunks x CLOTH_PCG_PARTIALS]
-  cloth_real *pq;      // [chunks]
-  int *flag;           // [CLOTH_FLAG_WORDS] signals of each part so far
+  cloth_real *p;                         // [vertices x 3]
+  cloth_real *partial;                   // [chunks x CLOTH_PCG_PARTIALS]
+  cloth_real *pq;                        // [chunks]
+  cloth_real *r, *q;                     // [vertices x 3], written with hats only
+  cloth_real *hat_rest, *hat_correction; // [nodes x 3]
+  int *flag;                             // [CLOTH_FLAG_WORDS] signals of each part so far
 } cloth_pcg_peer;
 
 typedef struct cloth_pcg_part_args {
@@ -43,13 +56,15 @@ typedef struct cloth_pcg_part_args {
   const uint32_t *chunk_reader; // [chunks of the part] all bits of its rows; 0: inner
   const uint32_t *order;        // [chunks of the part] inner ones first (halo_order.h)
   const uint32_t *outer;        // [2] chunks of the part that are not inner, contacts that are not
+  cloth_hat_share share;        // of this part in the hats; no nodes without them
   cloth_pcg_peer peer[CLOTH_PARTS_MAX]; // [parts] the part's own too
 } cloth_pcg_part_args;
 
 /// Signals after which the residuals, directions, products of iteration k are there.
-CLOTH_FN int cloth_residuals_signal(int k) { return 3 * k + 1; }
-CLOTH_FN int cloth_directions_signal(int k) { return 3 * k + 2; }
-CLOTH_FN int cloth_products_signal(int k) { return 3 * k + 3; }
+enum { CLOTH_START_SIGNAL = 1 };
+CLOTH_FN int cloth_residuals_signal(int k) { return 3 * k + 2; }
+CLOTH_FN int cloth_directions_signal(int k) { return 3 * k + 3; }
+CLOTH_FN int cloth_products_signal(int k) { return 3 * k + 4; }
 
 /// Bits of the parts that get p of a chunk's rows, of a row.
 CLOTH_FN uint32_t cloth_all_others(const cloth_pcg_part_args *a)
@@ -75,6 +90,63 @@ CLOTH_FN void cloth_direction_send(const cloth_pcg_part_args *a, int row)
   cloth_v3 p = cloth_v3_load(a->solve.v.p, k);
   for (int j = 0; j < a->parts; j++)
     if (readers >> j & 1) cloth_v3_store(a->peer[j].p, k, p);
+}
+
+/// q of row `row` of the part, or r at the start, to those whose nodes sum over it.
+CLOTH_FN void cloth_hat_row_send(const cloth_pcg_part_args *a, int row, int start)
+{
+  uint32_t readers = a->share.row_reader ? a->share.row_reader[row] : 0;
+  if (!readers) return;
+  int k = a->solve.v.first + row;
+  cloth_v3 value = cloth_v3_load(start ? a->solve.v.r : a->solve.v.q, k);
+  for (int j = 0; j < a->parts; j++)
+    if (readers >> j & 1) cloth_v3_store(start ? a->peer[j].r : a->peer[j].q, k, value);
+}
+
+/// r of vertex i of the list of others' vertices, from their q.
+CLOTH_FN void cloth_hat_row_update(const cloth_pcg_part_args *a, int i, cloth_real alpha)
+{
+  const cloth_pcg_vectors *v = &a->solve.v;
+  int k = a->share.others[i];
+  cloth_v3_store(v->r, k, cloth_pcg_residual_step(k, v, alpha));
+}
+
+/// Own node c of the first level to the others, after it is set.
+CLOTH_FN void cloth_hat_node_send(const cloth_pcg_part_args *a, int c)
+{
+  const cloth_hats *h = &a->solve.v.hats;
+  cloth_v3 rest = cloth_v3_load(h->rest, c), y = cloth_v3_load(h->correction, c);
+  uint32_t readers = a->share.node_reader[c];
+  for (int j = 0; j < a->parts; j++) {
+    if (j == a->me) continue;
+    cloth_v3_store(a->peer[j].hat_rest, c, rest);
+    if (readers >> j & 1) cloth_v3_store(a->peer[j].hat_correction, c, y);
+  }
+}
+
+/// Share of r'z of group i of the first level, for the others.
+CLOTH_FN void cloth_hat_group_send(const cloth_pcg_part_args *a, int i)
+{
+  int64_t at = (int64_t)CLOTH_PCG_PARTIALS * (a->solve.v.chunks + i);
+  for (int j = 0; j < a->parts; j++)
+    if (j != a->me) a->peer[j].partial[at] = a->solve.v.partial[at];
+}
+
+/// Groups of the first level's nodes that are the part's own: [begin, end).
+CLOTH_FN int cloth_hat_share_begin(const cloth_hat_share *s)
+{
+  return s->begin / CLOTH_HAT_FINE_GROUP;
+}
+
+CLOTH_FN int cloth_hat_share_end(const cloth_hat_share *s)
+{
+  return (s->end + CLOTH_HAT_FINE_GROUP - 1) / CLOTH_HAT_FINE_GROUP;
+}
+
+/// Are the levels' corrections at node c of the first level wanted on this part?
+CLOTH_FN int cloth_hat_is_mine(const cloth_pcg_part_args *a, int c)
+{
+  return a->share.node_reader[c] >> a->me & 1;
 }
 
 /// Does contact i read p of another part?

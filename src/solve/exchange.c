@@ -35,6 +35,8 @@ cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, si
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *from = &sim->part[i];
     size_t begin = begin_of(sim, from->v0, rows) * row, end = begin_of(sim, from->v1, rows) * row;
+    if (rows == CLOTH_PER_NODE)
+      begin = (size_t)from->hat_share.begin * row, end = (size_t)from->hat_share.end * row;
     CLOTH_TRY(be->wait(from->device, CLOTH_COPY, from->ready, err));
     for (int j = 0; j < sim->part_count && end > begin; j++) {
       cloth_part *to = &sim->part[j];

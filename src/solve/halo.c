@@ -9,7 +9,7 @@
 
 #include <stdlib.h>
 
-static void cuts_of(const cloth_sim *sim, int cut[CLOTH_HALO_PARTS + 1])
+void cloth_cuts(const cloth_sim *sim, int *cut)
 {
   for (int j = 0; j < sim->part_count; j++) cut[j] = sim->part[j].v0;
   cut[sim->part_count] = sim->vertex_count;
@@ -23,7 +23,7 @@ cloth_status cloth_halo_build(cloth_sim *sim, cloth_part *p, const int *first, c
   size_t bytes = sizeof(uint32_t) * (size_t)rows;
   uint32_t *reader = calloc((size_t)rows + 1, sizeof *reader);
   if (reader == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "halo: %d rows", rows);
-  cuts_of(sim, cut);
+  cloth_cuts(sim, cut);
   for (int row = 0; row < rows; row++)
     for (int s = first[row]; s < first[row + 1]; s++) {
       int j = cloth_part_of(cut, sim->part_count, col[s]);
@@ -54,7 +54,7 @@ static cloth_status update_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
                                .vertex = p->contact_vertex,
                                .reader = p->reader,
                                .outer = p->halo_outer + 1};
-  cuts_of(sim, c.cut);
+  cloth_cuts(sim, c.cut);
   CLOTH_LAUNCH(sim, p, halo_contact, p->contact_count, &c, err);
   cloth_halo_chunk_args k = {rows, p->reader, p->chunk_reader, p->halo_place};
   CLOTH_LAUNCH(sim, p, halo_chunk, chunks, &k, err);

@@ -303,10 +303,19 @@ static cloth_pcg_part_args part_args(const cloth_sim *sim, const cloth_part *p)
                            .reader = p->reader,
                            .chunk_reader = p->chunk_reader,
                            .order = p->halo_order,
-                           .outer = p->halo_outer};
-  for (int j = 0; j < sim->part_count; j++)
-    a.peer[j] =
-        (cloth_pcg_peer){sim->part[j].p, sim->part[j].partial, sim->part[j].pq, sim->part[j].flag};
+                           .outer = p->halo_outer,
+                           .share = p->hat_share};
+  for (int j = 0; j < sim->part_count; j++) {
+    const cloth_part *o = &sim->part[j];
+    a.peer[j] = (cloth_pcg_peer){.p = o->p,
+                                 .partial = o->partial,
+                                 .pq = o->pq,
+                                 .r = o->r,
+                                 .q = o->q,
+                                 .hat_rest = o->hats.rest,
+                                 .hat_correction = o->hats.correction,
+                                 .flag = o->flag};
+  }
   return a;
 }
 

@@ -17,6 +17,7 @@
 #include "contact/tangle.h"
 #include "flat_patch.h"
 #include "hat.h"
+#include "hat_share.h"
 #include "pair_key.h"
 #include "real.h"
 #include "scene/def.h"
@@ -152,12 +153,14 @@ typedef struct cloth_part {
   int *row_first, *row_col;
   cloth_real *row_val;
   cloth_real *dx, *p;           // [n x 3]
-  cloth_real *b, *r, *z, *q;    // [n x 3], of which only the part's own are there
+  cloth_real *b, *z;            // [n x 3], of which only the part's own are there
+  cloth_real *r, *q;            // [n x 3], likewise without hats
   cloth_real *inverse_diagonal; // [n x 6], likewise
   cloth_real *partial, *scalar;
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
+  cloth_hat_share hat_share; // joined parts: whose nodes are whose; hat_block: own rows alone
   uint32_t *reader_mesh, *reader; // [rows of the part] of the mesh, of all: halo_contact.h; NULL
                                   // where parts are not joined
   uint32_t *chunk_reader, *halo_place, *halo_order; // [chunks of the part (+ 1)] halo_order.h
@@ -426,8 +429,13 @@ cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 // ---- parts (solve/exchange.c, solve/halo.c) -----------------------------------------------------
 
 /// What a row of an array stands for. Parts own whole chunks, and with a coarse level whole
-/// aggregates.
-typedef enum cloth_rows_of { CLOTH_PER_VERTEX, CLOTH_PER_CHUNK, CLOTH_PER_AGGREGATE } cloth_rows_of;
+/// aggregates; nodes of hats they own as hat_share.h says.
+typedef enum cloth_rows_of {
+  CLOTH_PER_VERTEX,
+  CLOTH_PER_CHUNK,
+  CLOTH_PER_AGGREGATE,
+  CLOTH_PER_NODE // of the hats' first level, joined parts only
+} cloth_rows_of;
 
 /// Each part sends its own rows of a vector to all others. `field` is the vector's offset in
 /// cloth_part; `row` bytes each. Queued, not finished.
@@ -437,6 +445,9 @@ cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, si
 /// What is queued next on COMPUTE of any part starts when all parts have done what was queued
 /// before.
 cloth_status cloth_meet(cloth_sim *sim, cloth_error *err);
+
+/// Vertices [cut[j], cut[j + 1]) are part j's. cut [parts + 1], written.
+void cloth_cuts(const cloth_sim *sim, int *cut);
 
 /// Who reads which rows of a part: the mesh's share, from the columns of its rows [rows + 1], and
 /// what a solve by joined parts needs. Nothing where they are not joined.

@@ -20,6 +20,7 @@ static const char *devices_of(int parts)
 }
 
 static double upper_z = 0.0055; // m
+static const char *levels = "multilevel";
 
 // two layers on a table, turned against each other: contacts join almost any two parts
 static cloth_def *def_of(int parts, const char *exchange, const char *overlap)
@@ -29,7 +30,7 @@ static cloth_def *def_of(int parts, const char *exchange, const char *overlap)
   cloth_def *def = def_new(PRECISION);
   def_set(def, "devices", devices_of(parts));
   def_set(def, "threads", "1");
-  def_set(def, "preconditioner", "multilevel");
+  def_set(def, "preconditioner", levels);
   def_set(def, "exchange", exchange);
   def_set(def, "overlap", overlap);
   def_cloth(def, "lower", &cloth, cloth_material_default(), pose_at(0, 0, 0.003));
@@ -47,6 +48,16 @@ static struct {
   int solves, inner, outer_contacts, sent, needed;
 } dice;
 
+static void spoil_hats(const cloth_pcg_part_args *a)
+{
+  const cloth_pcg_vectors *v = &a->solve.v;
+  for (int k = 0; k < 3 * VERTICES; k++) v->r[k] = v->q[k] = (cloth_real)NAN;
+  for (int k = 0; k < 3 * v->hats.nodes; k++)
+    v->hats.rest[k] = v->hats.correction[k] = (cloth_real)NAN;
+  for (int k = 0; k < cloth_hat_fine_groups(&v->hats) + cloth_hat_groups(&v->hats); k++)
+    a->solve.hats.partial[CLOTH_PCG_PARTIALS * k] = (cloth_real)NAN;
+}
+
 // what others own is not there before it is sent
 static void spoil(int parts, const cloth_pcg_part_args *a)
 {
@@ -55,6 +66,7 @@ static void spoil(int parts, const cloth_pcg_part_args *a)
     for (int k = 0; k < 3 * VERTICES; k++) a[i].peer[i].p[k] = (cloth_real)NAN;
     for (int k = 0; k < v->chunks; k++) a[i].peer[i].pq[k] = (cloth_real)NAN;
     for (int k = 0; k < v->chunks * CLOTH_PCG_PARTIALS; k++) v->partial[k] = (cloth_real)NAN;
+    if (v->hats.nodes > 0) spoil_hats(&a[i]);
   }
 }
 
@@ -112,6 +124,20 @@ static int any_number_of_parts(void)
     CHECK(run(parts, "halo", parts % 2 ? "on" : "off", (unsigned)parts) == one);
     CHECK(dice.solves >= STEPS && dice.outer_contacts > 0 && dice.sent == dice.needed);
   }
+  return 0;
+}
+
+static int any_number_of_parts_with_each_preconditioner(void)
+{
+  static const char *const name[] = {"two_level", "block_jacobi"};
+  for (int i = 0; i < 2; i++) {
+    levels = name[i];
+    uint64_t one = run(1, "halo", "on", 0);
+    for (int parts = 2; parts <= 14; parts += 4)
+      CHECK(run(parts, "halo", parts % 4 ? "on" : "off", (unsigned)parts) == one);
+    CHECK(run(3, "launches", "on", 0) == one);
+  }
+  levels = "multilevel";
   return 0;
 }
 
@@ -183,6 +209,48 @@ static int order_has_inner_chunks_first(void)
   return 0;
 }
 
+// every node of the hats' first level has one owner, who has r of all vertices that share in it,
+// and tells all parts whose vertices do
+static int nodes_belong_to_one_part_each(void)
+{
+  cloth_def *def = def_of(5, "halo", "on"), *def_one = def_of(1, "halo", "on");
+  cloth_sim *sim = sim_new(def), *one = sim_new(def_one);
+  const cloth_hats *h = &one->part[0].hats;
+  int next = 0, strangers = 0, entries = 0;
+  CHECK(h->fine > 64);
+  for (int i = 0; i < 5; i++) {
+    const cloth_part *p = &sim->part[i];
+    const cloth_hat_share *s = &p->hat_share;
+    CHECK(s->begin == next && (s->end % CLOTH_HAT_FINE_GROUP == 0 || s->end == h->fine));
+    next = s->end;
+    for (int c = 0; c < h->fine; c++) {
+      bool own = c >= s->begin && c < s->end;
+      int count = p->hats.first[c + 1] - p->hats.first[c];
+      CHECK(count == (own ? h->first[c + 1] - h->first[c] : 0));
+      entries += count;
+    }
+    for (int v = 0; v < VERTICES; v++) {
+      int at = 0, needed = 0, listed = 0;
+      while (v >= sim->part[at].v1) at++;
+      for (int k = 4 * v; k < 4 * v + 4; k++) {
+        needed |= at != i && h->weight[k] > 0 && h->corner[k] >= s->begin && h->corner[k] < s->end;
+        CHECK(p->hat_share.node_reader[h->corner[k]] >> at & 1);
+      }
+      for (int k = 0; k < s->other_count; k++) listed += s->others[k] == v;
+      CHECK(listed == needed);
+      strangers += needed;
+      if (at != i)
+        CHECK((sim->part[at].hat_share.row_reader[v - sim->part[at].v0] >> i & 1) ==
+              (unsigned)needed);
+    }
+  }
+  CHECK(next == h->fine && entries == h->first[h->fine]);
+  CHECK(strangers > 0 && strangers < VERTICES);
+  cloth_sim_free(sim), cloth_sim_free(one);
+  cloth_def_free(def), cloth_def_free(def_one);
+  return 0;
+}
+
 static int a_part_that_is_gone(void)
 {
   for (int gone = 0; gone < 3; gone++) {
@@ -207,7 +275,9 @@ int main(int argc, char **argv)
 {
   int failures = 0;
   RUN(any_number_of_parts);
+  RUN(any_number_of_parts_with_each_preconditioner);
   RUN(any_order_of_the_parts);
+  RUN(nodes_belong_to_one_part_each);
   RUN(rows_that_need_nobody_go_first);
   RUN(readers_are_those_who_read);
   RUN(order_has_inner_chunks_first);

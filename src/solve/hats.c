@@ -212,7 +212,10 @@ static cloth_status upload_lists(cloth_sim *sim, cloth_part *p, const shares *le
   size_t entries = (size_t)l->first[h->nodes], shared = CORNERS * (size_t)level[0].count;
   const size_t of_int = sizeof(int), of_real = sizeof(cloth_real);
   CLOTH_TRY(cloth_upload(sim, p, "hat_corner", level[0].corner, of_int * shared, &h->corner, err));
-  CLOTH_TRY(cloth_upload(sim, p, "hat_weight", level[0].weight, of_real * shared, &h->weight, err));
+  size_t at = CORNERS * (size_t)p->v0, own = CORNERS * (size_t)(p->v1 - p->v0); // weights: own rows
+  CLOTH_TRY(
+      cloth_upload(sim, p, "hat_weight", level[0].weight + at, of_real * own, &h->weight, err));
+  h->weight -= at;
   CLOTH_TRY(
       cloth_upload(sim, p, "hat_first", l->first, of_int * ((size_t)h->nodes + 1), &h->first, err));
   CLOTH_TRY(cloth_upload(sim, p, "hat_child", l->child, of_int * entries, &h->child, err));

@@ -90,22 +90,6 @@ static cloth_status take_reals(cloth_sim *sim, cloth_part *p, const char *name, 
   return cloth_take(sim, p, name, sizeof(cloth_real) * (size_t)rows * (size_t)width, out, err);
 }
 
-static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *err)
-{
-  bool alone = cloth_is_mass_spring(sim) || cloth_flies(sim); // vertices of bodies have no use
-  int n = sim->vertex_count, all = alone ? n : sim->all_vertices;
-  CLOTH_TRY(take_reals(sim, p, "x_t0", all, 3, &p->x_t0, err));
-  CLOTH_TRY(take_reals(sim, p, "x", all, 3, &p->x, err));
-  CLOTH_TRY(take_reals(sim, p, "v", n, 3, &p->v, err));
-  CLOTH_TRY(take_reals(sim, p, "v_next", n, 3, &p->v_next, err));
-  CLOTH_TRY(take_reals(sim, p, "x_saved", n, 3, &p->x_saved, err));
-  CLOTH_TRY(take_reals(sim, p, "v_saved", n, 3, &p->v_saved, err));
-  CLOTH_TRY(cloth_upload_real(sim, p, "x_rest", sim->rest, 3 * n, &p->x_rest, err));
-  CLOTH_TRY(cloth_upload_real(sim, p, "mass", sim->mass, n, &p->mass, err));
-  for (int i = 0; i < n; i++) sim->host[i] = 1;
-  return cloth_upload(sim, p, "free", sim->host, sizeof(cloth_real) * (size_t)n, &p->free, err);
-}
-
 // rows of the part's own chunks alone, `rows` of `width` in each. *out stands where the whole array
 // would begin, so that all arrays are read with the same indices.
 static cloth_status take_own(cloth_sim *sim, cloth_part *p, const char *name, int rows, int width,
@@ -115,6 +99,24 @@ static cloth_status take_own(cloth_sim *sim, cloth_part *p, const char *name, in
   CLOTH_TRY(take_reals(sim, p, name, cloth_part_chunks(p) * rows, width, out, err));
   *out -= before;
   return CLOTH_OK;
+}
+
+static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  bool alone = cloth_is_mass_spring(sim) || cloth_flies(sim); // vertices of bodies have no use
+  int n = sim->vertex_count, all = alone ? n : sim->all_vertices;
+  CLOTH_TRY(take_reals(sim, p, "x_t0", all, 3, &p->x_t0, err));
+  CLOTH_TRY(take_reals(sim, p, "x", all, 3, &p->x, err));
+  CLOTH_TRY(take_reals(sim, p, "v", n, 3, &p->v, err));
+  CLOTH_TRY(take_reals(sim, p, "v_next", n, 3, &p->v_next, err));
+  cloth_real **saved[] = {&p->x_saved, &p->v_saved};
+  for (int i = 0; i < 2; i++) // cloth in flight changes them for x_t0 and v (state/flight.c)
+    CLOTH_TRY(cloth_flies(sim) ? take_reals(sim, p, "saved", n, 3, saved[i], err)
+                               : take_own(sim, p, "saved", CLOTH_CHUNK, 3, saved[i], err));
+  CLOTH_TRY(cloth_upload_real(sim, p, "x_rest", sim->rest, 3 * n, &p->x_rest, err));
+  CLOTH_TRY(cloth_upload_real(sim, p, "mass", sim->mass, n, &p->mass, err));
+  for (int i = 0; i < n; i++) sim->host[i] = 1;
+  return cloth_upload(sim, p, "free", sim->host, sizeof(cloth_real) * (size_t)n, &p->free, err);
 }
 
 static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)

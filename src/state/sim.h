@@ -168,7 +168,7 @@ typedef struct cloth_part {
   cloth_real *pq;                                   // [chunks] pcg_part.h
   int *flag;                                        // [CLOTH_FLAG_WORDS]
   cloth_real *commit, *largest;                     // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
-  cloth_real *x_saved, *v_saved; // [n x 3] start of the whole step, for going back
+  cloth_real *x_saved, *v_saved; // [n x 3] own rows at the start of the whole step, for going back
   cloth_real *balance;           // [3] m, solve/balance.c
   cloth_real *box_of_chunk;      // [chunks x 6] m
   cloth_event *ready, *sent;

@@ -123,11 +123,11 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   int n = sim->vertex_count, padded = sim->chunks * CLOTH_CHUNK;
   CLOTH_TRY(take_reals(sim, p, "x_pred", n, 3, &p->x_pred, err));
-  bool hats = sim->hat_groups > 0; // their nodes read r of other parts' vertices
-  cloth_real **all[] = {&p->dx, &p->p, &p->r, &p->q}, **own[] = {&p->b, &p->z, &p->r, &p->q};
-  for (int i = 0; i < (hats ? 4 : 2); i++) // one more: block_rows.h reads past the last vertex
+  bool hats = sim->hat_groups > 0; // their nodes need q of other parts' vertices
+  cloth_real **all[] = {&p->dx, &p->p, &p->r, &p->q}, **own[] = {&p->b, &p->z, &p->q};
+  for (int i = 0; i < (hats ? 4 : 3); i++) // one more: block_rows.h reads past the last vertex
     CLOTH_TRY(take_reals(sim, p, "solve", padded + 1, 3, all[i], err));
-  for (int i = 0; i < (hats ? 2 : 4); i++)
+  for (int i = 0; i < (hats ? 2 : 3); i++)
     CLOTH_TRY(take_own(sim, p, "solve", CLOTH_CHUNK, 3, own[i], err));
   CLOTH_TRY(take_own(sim, p, "inverse_diagonal", CLOTH_CHUNK, 6, &p->inverse_diagonal, err));
   int sums = 2 * sim->chunks + sim->hat_groups; // some for z, others for the product

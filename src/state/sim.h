@@ -154,7 +154,8 @@ typedef struct cloth_part {
   cloth_real *row_val;
   cloth_real *dx, *p;           // [n x 3]
   cloth_real *b, *z;            // [n x 3], of which only the part's own are there
-  cloth_real *r, *q;            // [n x 3], likewise without hats
+  cloth_real *r;                // [n x 3], of which the part's own count, and with hats its nodes'
+  cloth_real *q;                // [n x 3], the part's own, with hats all
   cloth_real *inverse_diagonal; // [n x 6], likewise
   cloth_real *partial, *scalar;
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h

@@ -5,6 +5,7 @@
 
 #include "status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -27,6 +28,7 @@ typedef struct cloth_device cloth_device; // private to the backend
 typedef struct cloth_event cloth_event;   // private to the backend
 
 struct cloth_pcg_solve_args; // pcg_solve.h
+struct cloth_pcg_part_args;  // pcg_part.h
 
 typedef struct cloth_backend {
   const char *name; // "cpu", "cuda", "shuffle"
@@ -50,6 +52,13 @@ typedef struct cloth_backend {
   // NULL where there is no better way than launch by launch. A whole linear solve of one part on
   // COMPUTE: same steps, same bits.
   cloth_status (*solve)(cloth_device *device, const struct cloth_pcg_solve_args *args, cloth_error *err);
+
+  // NULL where several parts go launch by launch. The same of n parts at once, on COMPUTE of each; they
+  // read and write each other's memory, which joined() asks first. A part that does not answer leaves
+  // CLOTH_PCG_LOST or is CLOTH_DEVICE_LOST.
+  bool (*joined)(int parts, cloth_device *const *device);
+  cloth_status (*solve_parts)(int parts, cloth_device *const *device, const struct cloth_pcg_part_args *args,
+                              cloth_error *err);
 
   // Run kernel `k` for i in [0, n) on COMPUTE. args is copied before the call returns.
   cloth_status (*launch)(cloth_device *device, cloth_kernel k, int n, const void *args, cloth_error *err);

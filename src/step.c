@@ -326,14 +326,19 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
 
 static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
 {
-  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
-  if (cloth_flies(sim)) return CLOTH_OK; // it keeps the start without copying
-  for (int i = 0; i < sim->part_count; i++) {
+  const size_t row = 3 * sizeof(cloth_real);
+  if (cloth_flies(sim)) return CLOTH_OK;      // it keeps the start without copying
+  for (int i = 0; i < sim->part_count; i++) { // each its own rows
     cloth_part *p = &sim->part[i];
-    CLOTH_TRY(cloth_copy_local(sim, p, back ? p->x_t0 : p->x_saved, back ? p->x_saved : p->x_t0,
-                               bytes, err));
-    CLOTH_TRY(
-        cloth_copy_local(sim, p, back ? p->v : p->v_saved, back ? p->v_saved : p->v, bytes, err));
+    size_t at = 3 * (size_t)p->v0, bytes = row * (size_t)(p->v1 - p->v0);
+    cloth_real *x = p->x_t0 + at, *x_saved = p->x_saved + at;
+    cloth_real *v = p->v + at, *v_saved = p->v_saved + at;
+    CLOTH_TRY(cloth_copy_local(sim, p, back ? x : x_saved, back ? x_saved : x, bytes, err));
+    CLOTH_TRY(cloth_copy_local(sim, p, back ? v : v_saved, back ? v_saved : v, bytes, err));
+  }
+  if (back) {
+    CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, x_t0), CLOTH_PER_VERTEX, row, err));
+    CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, v), CLOTH_PER_VERTEX, row, err));
   }
   CLOTH_TRY(cloth_bdf2_save(sim, back, err));
   return cloth_friction_save(sim, back, err);

@@ -2,6 +2,7 @@
 #include "backend.h"
 #include "loops.h"
 #include "solve.h"
+#include "solve_parts.h"
 #include "sort.h"
 
 #include <omp.h>
@@ -88,6 +89,18 @@ static cloth_status scan(cloth_device *d, int n, uint32_t *array, cloth_error *e
   return CLOTH_OK;
 }
 
+static bool joined(int parts, cloth_device *const *device)
+{
+  (void)device;
+  return parts <= CLOTH_PARTS_MAX;
+}
+
+static cloth_status solve_parts(int parts, cloth_device *const *device,
+                                const cloth_pcg_part_args *args, cloth_error *err)
+{
+  return cloth_cpu_solve_parts(parts, args, device[0]->threads, 1, -1, err);
+}
+
 static cloth_status event_new(cloth_device *d, cloth_event **out, cloth_error *err)
 {
   (void)d, (void)err;
@@ -130,6 +143,8 @@ const cloth_backend *cloth_backend_cpu(void)
       .read = put,
       .copy = copy,
       .fill = fill,
+      .joined = joined,
+      .solve_parts = solve_parts,
       .launch = launch,
       .solve = solve,
       .sort = sort,

@@ -257,6 +257,7 @@ extern "C" const cloth_backend *cloth_backend_cuda(void)
     b.write = write_device, b.read = read_device;
     b.copy = copy, b.fill = fill;
     b.solve = cloth_cuda_solve;
+    b.joined = cloth_cuda_joined, b.solve_parts = cloth_cuda_solve_parts;
     b.launch = cloth_cuda_launch;
     b.sort = cloth_cuda_sort, b.scan = cloth_cuda_scan;
     b.event_new = event_new, b.event_free = event_free;

@@ -15,6 +15,7 @@ struct cloth_device {
   size_t shared_bytes; // most a block may ask for
   int solve_blocks;    // of a cooperative launch; 0: not asked yet
   int cluster_blocks;  // of a cluster; 1: there are none
+  int part_blocks;     // the same of solve_parts.cu
 };
 
 struct cloth_event {
@@ -45,3 +46,6 @@ cloth_status cloth_cuda_sort(cloth_device *d, int n, int bits, uint64_t *key, ui
 cloth_status cloth_cuda_scan(cloth_device *d, int n, uint32_t *array, cloth_error *err);
 cloth_status cloth_cuda_solve(cloth_device *d, const struct cloth_pcg_solve_args *args,
                               cloth_error *err);
+bool cloth_cuda_joined(int parts, cloth_device *const *device);
+cloth_status cloth_cuda_solve_parts(int parts, cloth_device *const *device,
+                                    const struct cloth_pcg_part_args *args, cloth_error *err);

@@ -1,5 +1,5 @@
 // Integer atomics for element kernels. Used only where the result does not depend on the order:
-// counting, appending to a list that is sorted afterwards, taking a minimum.
+// counting, setting bits, appending to a list that is sorted afterwards, taking a minimum.
 #pragma once
 
 #include "real.h"
@@ -39,5 +39,15 @@ CLOTH_FN void cloth_atomic_min(uint32_t *p, uint32_t v)
   uint32_t old = __atomic_load_n(p, __ATOMIC_RELAXED);
   while (v < old &&
          !__atomic_compare_exchange_n(p, &old, v, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {}
+#endif
+}
+
+/// Set the bits of v in *p.
+CLOTH_FN void cloth_atomic_or(uint32_t *p, uint32_t v)
+{
+#ifdef __CUDA_ARCH__
+  atomicOr(p, v);
+#else
+  __atomic_fetch_or(p, v, __ATOMIC_RELAXED);
 #endif
 }

@@ -1,15 +1,12 @@
-// How many cells triangle i covers; body triangles that cover very many are set aside, because one
-// table top would flood the hash, and those that miss the cloth's box cover none. A cloth triangle
-// over very many is counted: then the cells are too small, as in a solve that has run away.
+// How many cells triangle i covers, of those that the part has business with (cell_mark.h); body
+// triangles that cover very many are set aside, because one table top would flood the hash, and
+// those that miss the cloth's box cover none. A cloth triangle over very many is counted: then the
+// cells are too small, as in a solve that has run away.
 #pragma once
 
 #include "atomic.h"
+#include "cell_mark.h"
 #include "grid.h"
-
-enum {
-  CLOTH_CELLS_MAX = 64,        // a body triangle over more cells is large
-  CLOTH_CELLS_MAX_CLOTH = 4096 // a cloth triangle over more cells is vast
-};
 
 typedef struct cloth_cell_count_args {
   cloth_grid grid;
@@ -22,6 +19,7 @@ typedef struct cloth_cell_count_args {
   uint32_t *large;          // list of large triangles
   uint32_t *large_count;    // [1] counts up
   uint32_t *vast_count;     // [1] counts up
+  cloth_cell_marks mark;
 } cloth_cell_count_args;
 
 CLOTH_FN int cloth_active_triangle(int i, int cloth_triangles, const int *body_triangle)
@@ -29,13 +27,22 @@ CLOTH_FN int cloth_active_triangle(int i, int cloth_triangles, const int *body_t
   return i < cloth_triangles ? i : body_triangle[i - cloth_triangles];
 }
 
+CLOTH_FN uint32_t cloth_cells_marked(const cloth_cell_count_args *a, const cloth_cells *c)
+{
+  uint32_t n = 0;
+  for (int z = c->lo[2]; z <= c->hi[2]; z++)
+    for (int y = c->lo[1]; y <= c->hi[1]; y++)
+      for (int x = c->lo[0]; x <= c->hi[0]; x++)
+        n += (uint32_t)cloth_cell_is_marked(&a->mark, cloth_grid_key(&a->grid, x, y, z));
+  return n;
+}
+
 CLOTH_FN void cloth_cell_count(int i, const cloth_cell_count_args *a)
 {
   int t = cloth_active_triangle(i, a->cloth_triangles, a->body_triangle);
   cloth_box box = cloth_box_load(a->box, t);
   cloth_cells c = cloth_grid_cells(&a->grid, box, a->gap);
-  uint32_t n = (uint32_t)(c.hi[0] - c.lo[0] + 1) * (uint32_t)(c.hi[1] - c.lo[1] + 1) *
-               (uint32_t)(c.hi[2] - c.lo[2] + 1);
+  uint32_t n = cloth_cells_count(&c);
   if (i >= a->cloth_triangles) {
     cloth_box cloth = cloth_box_load(a->cloth_box, 0);
     if (!cloth_box_near(box, cloth, 2 * a->gap)) {
@@ -48,5 +55,6 @@ CLOTH_FN void cloth_cell_count(int i, const cloth_cell_count_args *a)
     cloth_atomic_next(a->vast_count);
     n = 0; // so that the sum of all stays in its range
   }
+  if (n > 0 && a->mark.word) n = cloth_cells_marked(a, &c);
   a->count[i] = n;
 }

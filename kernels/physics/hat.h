@@ -27,7 +27,7 @@ typedef struct cloth_hats {
   int fine, nodes;                // nodes of the first level, of all; those of the first come first
   int uppers;                     // corners of a first node on all other levels: 4 (levels - 1)
   const int *corner;              // [vertices x 4] nodes of the first level
-  const cloth_real *weight;       // [vertices x 4]
+  const cloth_real *weight;       // [vertices x 4], of the part's own alone
   const int *upper;               // [fine x uppers] nodes of the other levels
   const cloth_real *upper_weight; // [fine x uppers]
   const int *first;               // [nodes + 1] a node's place in the lists:

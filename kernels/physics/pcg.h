@@ -20,6 +20,7 @@ enum {
   CLOTH_PCG_ITERATIONS,
   CLOTH_PCG_RESIDUAL, // r'r of the true residual at the end
   CLOTH_PCG_LARGEST,  // m, largest correction of a vertex
+  CLOTH_PCG_LOST,     // 1: another part did not answer (pcg_part.h)
   CLOTH_PCG_SCALARS
 };
 
@@ -79,14 +80,20 @@ CLOTH_FN void cloth_pcg_chunk_set(cloth_pcg_chunk *c, int lane, cloth_v3 r)
 // order, that a loop and a block of threads follow alike.
 enum { CLOTH_PCG_LANES = 256, CLOTH_COARSE_LANES = 32 };
 
-CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int field)
+/// The numbers of all chunks, `stride` apart.
+CLOTH_FN cloth_real cloth_chunks_sum(const cloth_real *number, int chunks, int stride)
 {
   cloth_real lane[CLOTH_PCG_LANES];
   int used = chunks < CLOTH_PCG_LANES ? chunks : CLOTH_PCG_LANES;
-  for (int l = 0; l < used; l++) lane[l] = 0 + partial[CLOTH_PCG_PARTIALS * l + field];
+  for (int l = 0; l < used; l++) lane[l] = 0 + number[stride * l];
   for (int c = CLOTH_PCG_LANES; c < chunks; c++)
-    lane[c % CLOTH_PCG_LANES] += partial[CLOTH_PCG_PARTIALS * c + field];
+    lane[c % CLOTH_PCG_LANES] += number[stride * c];
   return cloth_lanes_sum_of(lane, used, CLOTH_PCG_LANES);
+}
+
+CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int field)
+{
+  return cloth_chunks_sum(partial + field, chunks, CLOTH_PCG_PARTIALS);
 }
 
 // The coarse level: vertices of an aggregate (a run of chunks) move together (Nicolaides 1987).

@@ -8,13 +8,18 @@ typedef struct cloth_pcg_update_args {
   cloth_pcg_vectors v;
 } cloth_pcg_update_args;
 
+/// r of vertex k after a step along p.
+CLOTH_FN cloth_v3 cloth_pcg_residual_step(int k, const cloth_pcg_vectors *v, cloth_real alpha)
+{
+  return cloth_v3_add_scaled(cloth_v3_load(v->r, k), -alpha * v->free[k], cloth_v3_load(v->q, k));
+}
+
 /// Vertex k: its dx, its r.
 CLOTH_FN cloth_v3 cloth_pcg_update_row(int k, const cloth_pcg_vectors *v, cloth_real alpha)
 {
   cloth_v3_store(v->dx, k,
                  cloth_v3_add_scaled(cloth_v3_load(v->dx, k), alpha, cloth_v3_load(v->p, k)));
-  cloth_v3 r =
-      cloth_v3_add_scaled(cloth_v3_load(v->r, k), -alpha * v->free[k], cloth_v3_load(v->q, k));
+  cloth_v3 r = cloth_pcg_residual_step(k, v, alpha);
   cloth_v3_store(v->r, k, r);
   return r;
 }

@@ -48,27 +48,34 @@ static cloth_status grow_found(cloth_zones *z, int n, cloth_error *err)
   return CLOTH_OK;
 }
 
-static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, uint32_t *count,
-                                 cloth_error *err)
+static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, cloth_error *err)
+{
+  cloth_zone_part *z = &p->zone;
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 1, err));
+  cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
+                              .gap = (cloth_real)cloth_impact_gap(sim),
+                              .moved = moved ? z->moved : NULL,
+                              .pair = p->pair,
+                              .key = z->found_key,
+                              .toi = z->found_toi,
+                              .capacity = z->found_capacity,
+                              .count = p->counter + COUNT_IMPACTS};
+  return cloth_launch(sim, p, CLOTH_KERNEL_impact_find, p->pair_count, &a, err);
+}
+
+// how many there are, and again with more room where it was too small
+static cloth_status count_found(cloth_sim *sim, cloth_part *p, bool moved, uint32_t *count,
+                                cloth_error *err)
 {
   cloth_zone_part *z = &p->zone;
   for (;;) {
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 1, err));
-    cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
-                                .gap = (cloth_real)cloth_impact_gap(sim),
-                                .moved = moved ? z->moved : NULL,
-                                .pair = p->pair,
-                                .key = z->found_key,
-                                .toi = z->found_toi,
-                                .capacity = z->found_capacity,
-                                .count = p->counter + COUNT_IMPACTS};
-    CLOTH_LAUNCH(sim, p, impact_find, p->pair_count, &a, err);
     CLOTH_TRY(cloth_count_read(sim, p, COUNT_IMPACTS, count, err));
     if (*count <= z->found_capacity) return CLOTH_OK;
-    size_t n = *count; // too small: once more
+    size_t n = *count;
     CLOTH_TRY(cloth_grow(sim, p, "impact_key", 8 * n, &z->found_key, err));
     CLOTH_TRY(cloth_grow(sim, p, "impact_toi", 4 * n, &z->found_toi, err));
     z->found_capacity = *count + *count / 2;
+    CLOTH_TRY(find_on_part(sim, p, moved, err));
   }
 }
 
@@ -76,10 +83,12 @@ cloth_status cloth_impacts_find(cloth_sim *sim, bool moved, cloth_error *err)
 {
   cloth_zones *z = &sim->zones;
   z->found_count = 0;
+  // all look before the host asks the first how many it found
+  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(find_on_part(sim, &sim->part[i], moved, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count;
-    CLOTH_TRY(find_on_part(sim, p, moved, &count, err));
+    CLOTH_TRY(count_found(sim, p, moved, &count, err));
     p->zone.found_count = (int)count;
     if (count == 0) continue;
     CLOTH_TRY(grow_found(z, z->found_count + (int)count, err));

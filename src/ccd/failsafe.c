@@ -40,7 +40,8 @@ static cloth_status hold_back(cloth_sim *sim, cloth_error *err)
     // rows of other parts come by exchange; their limits here are incomplete and only reset
     CLOTH_LAUNCH(sim, p, impact_hold_back, sim->vertex_count, &a, err);
   }
-  return cloth_exchange(sim, offsetof(cloth_part, x), false, 3 * sizeof(cloth_real), err);
+  return cloth_exchange(sim, offsetof(cloth_part, x), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real),
+                        err);
 }
 
 cloth_status cloth_failsafe(cloth_sim *sim, int *left, cloth_error *err)

@@ -288,5 +288,6 @@ static cloth_status project_part(cloth_sim *sim, cloth_part *p, double gap, clot
 cloth_status cloth_zones_project(cloth_sim *sim, double gap, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(project_part(sim, &sim->part[i], gap, err));
-  return cloth_exchange(sim, offsetof(cloth_part, x), false, 3 * sizeof(cloth_real), err);
+  return cloth_exchange(sim, offsetof(cloth_part, x), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real),
+                        err);
 }

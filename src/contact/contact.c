@@ -88,18 +88,24 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
 
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 1, err));
+  cloth_contact_find_args a = {cloth_contact_scene_of(sim, p), p->pair, p->contact,
+                               p->contact_capacity, p->counter + COUNT_CONTACTS};
+  return cloth_launch(sim, p, CLOTH_KERNEL_contact_find, p->pair_count, &a, err);
+}
+
+// how many there are, and again with more room where it was too small
+static cloth_status take_found(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
   const cloth_tangle_list *t = &sim->tangles;
   uint32_t pulls = t->count > 0 ? (uint32_t)t->pull_count : 0;
   for (;;) {
     uint32_t count;
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 1, err));
-    cloth_contact_find_args a = {cloth_contact_scene_of(sim, p), p->pair, p->contact,
-                                 p->contact_capacity, p->counter + COUNT_CONTACTS};
-    CLOTH_LAUNCH(sim, p, contact_find, p->pair_count, &a, err);
     CLOTH_TRY(cloth_count_read(sim, p, COUNT_CONTACTS, &count, err));
     p->contact_count = 0;
     if (count + pulls > p->contact_capacity) {
-      CLOTH_TRY(grow_contacts(sim, p, count + pulls, err)); // too small: once more
+      CLOTH_TRY(grow_contacts(sim, p, count + pulls, err));
+      CLOTH_TRY(find(sim, p, err));
       continue;
     }
     if (pulls > 0) // some twice: also found by contact_find.h
@@ -171,10 +177,11 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 
 cloth_status cloth_contact_build_stage(cloth_sim *sim, cloth_error *err)
 {
+  // all look before the host asks the first how many it found
+  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(find(sim, &sim->part[i], err));
   for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    CLOTH_TRY(find(sim, p, err));
-    CLOTH_TRY(build(sim, p, err));
+    CLOTH_TRY(take_found(sim, &sim->part[i], err));
+    CLOTH_TRY(build(sim, &sim->part[i], err));
   }
   return CLOTH_OK;
 }
@@ -232,13 +239,17 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err)
   sim->report->contacts_self = sim->report->contacts_body = 0;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    uint32_t count[2];
     if (p->contact_count == 0) continue;
     CLOTH_TRY(cloth_count_clear(sim, p, COUNT_TOTALS, 2, err));
     cloth_contact_count_args a = {
         sim->vertex_count,        p->v0, p->v1, p->contact_vertex, p->contact_pressure,
         p->counter + COUNT_TOTALS};
     CLOTH_LAUNCH(sim, p, contact_count, p->contact_count, &a, err);
+  }
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    uint32_t count[2];
+    if (p->contact_count == 0) continue;
     CLOTH_TRY(sim->backend->read(p->device, count, p->counter + COUNT_TOTALS, sizeof count, err));
     sim->report->contacts_self += (int)count[0];
     sim->report->contacts_body += (int)count[1];

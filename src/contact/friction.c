@@ -75,7 +75,6 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
   sim->owner = CLOTH_EFFECT_friction;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    uint32_t count;
     if (p->contact_count == 0) continue;
     CLOTH_TRY(cloth_count_clear(sim, p, COUNT_UNSETTLED, 1, err));
     cloth_friction_check_args a = {.vertex = p->contact_vertex,
@@ -95,6 +94,11 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
                                    .limit = cloth_friction_limit(sim),
                                    .count = p->counter + COUNT_UNSETTLED};
     CLOTH_LAUNCH(sim, p, friction_check, p->contact_count, &a, err);
+  }
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    uint32_t count;
+    if (p->contact_count == 0) continue;
     CLOTH_TRY(cloth_count_read(sim, p, COUNT_UNSETTLED, &count, err));
     *settled = *settled && count == 0;
   }

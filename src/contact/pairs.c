@@ -6,6 +6,7 @@
 
 #include "cell_count.h"
 #include "cell_fill.h"
+#include "cell_mark.h"
 #include "chunk.h"
 #include "contact/flat.h"
 #include "effect/effect.h"
@@ -22,6 +23,7 @@
 enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS };      // places in part->counter
 enum { COUNT_VAST = COUNT_PAIRS };                     // until pairs are counted
 enum { ENTRIES_USUAL = 64, ENTRIES_ALWAYS = 1 << 16 }; // cells for each triangle, and for all
+enum { MARK_BITS_MIN = 10, MARK_BITS_MAX = 27, MARKS_EACH = 8 }; // cell_mark.h; for a triangle
 
 cloth_status cloth_count_read(cloth_sim *sim, cloth_part *part, int place, uint32_t *out,
                               cloth_error *err)
@@ -134,6 +136,7 @@ typedef struct hash {
   double slack; // m, how far a vertex may stray
   int active;   // triangles: cloth, then near bodies
   int entries, units, large;
+  cloth_pair_mesh mesh;
 } hash;
 
 // The capacities noted are what was asked for: a buffer that happens to be large enough is not
@@ -150,104 +153,134 @@ static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cl
   return CLOTH_OK;
 }
 
+static cloth_cell_marks marks_of(const cloth_part *p)
+{
+  return (cloth_cell_marks){p->cell_mark, p->cell_mark_bits};
+}
+
+// one part owns everything: all cells are its own
+static cloth_status mark_cells(cloth_sim *sim, cloth_part *p, const hash *h, cloth_error *err)
+{
+  if (sim->part_count == 1) return CLOTH_OK;
+  if (p->cell_mark == NULL) {
+    while (p->cell_mark_bits < MARK_BITS_MAX &&
+           (int64_t)1 << p->cell_mark_bits < MARKS_EACH * (int64_t)sim->triangle_count)
+      p->cell_mark_bits++;
+    if (p->cell_mark_bits < MARK_BITS_MIN) p->cell_mark_bits = MARK_BITS_MIN;
+    CLOTH_TRY(
+        cloth_take(sim, p, "cell_mark", (size_t)1 << (p->cell_mark_bits - 3), &p->cell_mark, err));
+  }
+  CLOTH_TRY(
+      sim->backend->fill(p->device, p->cell_mark, 0, (size_t)1 << (p->cell_mark_bits - 3), err));
+  cloth_cell_mark_args a = {h->grid,     (cloth_real)(h->gap / 2), p->v0,      p->v1,
+                            p->triangle, p->triangle_box,          marks_of(p)};
+  return cloth_launch(sim, p, CLOTH_KERNEL_cell_mark, sim->triangle_count, &a, err);
+}
+
 static cloth_status grow_active(cloth_sim *sim, cloth_part *p, size_t active, cloth_error *err)
 {
   if (active <= p->active_capacity) return CLOTH_OK;
+  size_t bodies = active - (size_t)sim->triangle_count;
   CLOTH_TRY(cloth_grow(sim, p, "cells", 4 * (active + 1), &p->cells, err));
-  CLOTH_TRY(cloth_grow(sim, p, "large", 4 * (active + 1), &p->large, err));
+  CLOTH_TRY(cloth_grow(sim, p, "large", 4 * (bodies + 1), &p->large, err));
   p->active_capacity = (uint32_t)active;
   return CLOTH_OK;
 }
 
-// Cells of every triangle, counted and scanned. Cells that are too small for triangles of this size
-// (a solve that has run away, a mesh of very unequal triangles) are doubled: memory stays bounded,
-// and which pairs are found does not depend on the grid.
-static cloth_status count_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+// Cells of every triangle, counted and scanned.
+static cloth_status count_cells(cloth_sim *sim, cloth_part *p, const hash *h, cloth_error *err)
+{
+  CLOTH_TRY(grow_active(sim, p, (size_t)h->active, err));
+  CLOTH_TRY(mark_cells(sim, p, h, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LARGE, 2, err));
+  cloth_cell_count_args count = {.grid = h->grid,
+                                 .gap = (cloth_real)(h->gap / 2),
+                                 .cloth_triangles = sim->triangle_count,
+                                 .body_triangle = p->body_triangle,
+                                 .box = p->triangle_box,
+                                 .count = p->cells,
+                                 .large = p->large,
+                                 .large_count = p->counter + COUNT_LARGE,
+                                 .vast_count = p->counter + COUNT_VAST,
+                                 .mark = marks_of(p)};
+  cloth_box all = cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, (cloth_real)h->slack);
+  cloth_box_store(count.cloth_box, 0, all);
+  CLOTH_LAUNCH(sim, p, cell_count, h->active, &count, err);
+  return sim->backend->scan(p->device, h->active, p->cells, err);
+}
+
+// What was counted. Cells that are too small for triangles of this size (a solve that has run away,
+// a mesh of very unequal triangles) are doubled: memory stays bounded, and which pairs are found
+// does not depend on the grid.
+static cloth_status read_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
 {
   const cloth_backend *be = sim->backend;
   size_t usual = ENTRIES_ALWAYS + (size_t)ENTRIES_USUAL * (size_t)h->active;
-  cloth_box all = cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, (cloth_real)h->slack);
-  for (double coarser = 1;; coarser *= 2) {
-    h->grid = choose_grid(sim, h->gap, h->slack, coarser);
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LARGE, 2, err));
-    cloth_cell_count_args count = {.grid = h->grid,
-                                   .gap = (cloth_real)(h->gap / 2),
-                                   .cloth_triangles = sim->triangle_count,
-                                   .body_triangle = p->body_triangle,
-                                   .box = p->triangle_box,
-                                   .count = p->cells,
-                                   .large = p->large,
-                                   .large_count = p->counter + COUNT_LARGE,
-                                   .vast_count = p->counter + COUNT_VAST};
-    cloth_box_store(count.cloth_box, 0, all);
-    CLOTH_LAUNCH(sim, p, cell_count, h->active, &count, err);
-    CLOTH_TRY(be->scan(p->device, h->active, p->cells, err));
+  for (double coarser = 2;; coarser *= 2) {
     uint32_t entries, found[2];
     CLOTH_TRY(be->read(p->device, &entries, p->cells + h->active, sizeof entries, err));
     CLOTH_TRY(be->read(p->device, found, p->counter + COUNT_LARGE, sizeof found, err));
     h->entries = (int)entries, h->large = (int)found[0];
     bool one = h->grid.size[0] == 1 && h->grid.size[1] == 1 && h->grid.size[2] == 1;
     if (one || (found[1] == 0 && entries <= usual)) return CLOTH_OK;
+    h->grid = choose_grid(sim, h->gap, h->slack, coarser);
+    CLOTH_TRY(count_cells(sim, p, h, err));
   }
 }
 
 static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
 {
-  cloth_real gap = (cloth_real)(h->gap / 2);
-  CLOTH_TRY(grow_active(sim, p, (size_t)h->active, err));
-  CLOTH_TRY(count_cells(sim, p, h, err));
+  CLOTH_TRY(read_cells(sim, p, h, err));
+  if (h->entries == 0) return CLOTH_OK;
   CLOTH_TRY(grow_cells(sim, p, (size_t)h->entries, err));
-  cloth_cell_fill_args fill = {h->grid,         gap,      sim->triangle_count, p->body_triangle,
-                               p->triangle_box, p->cells, p->cell_key,         p->cell_triangle};
+  cloth_cell_fill_args fill = {.grid = h->grid,
+                               .gap = (cloth_real)(h->gap / 2),
+                               .cloth_triangles = sim->triangle_count,
+                               .body_triangle = p->body_triangle,
+                               .box = p->triangle_box,
+                               .first = p->cells,
+                               .cell = p->cell_key,
+                               .triangle = p->cell_triangle,
+                               .mark = marks_of(p)};
   CLOTH_LAUNCH(sim, p, cell_fill, h->active, &fill, err);
   return sim->backend->sort(p->device, h->entries, key_bits(&h->grid), p->cell_key,
                             p->cell_triangle, p->cell_key_spare, p->cell_triangle_spare, err);
 }
 
-static cloth_status weigh_cells(cloth_sim *sim, cloth_part *p, hash *h, const cloth_pair_mesh *mesh,
-                                cloth_error *err)
+static cloth_status weigh_cells(cloth_sim *sim, cloth_part *p, const hash *h, cloth_error *err)
 {
+  if (h->entries == 0) return CLOTH_OK;
   cloth_entry_work_args a = {.count = h->entries,
                              .cell = p->cell_key,
                              .triangle = p->cell_triangle,
                              .cloth_triangles = sim->triangle_count,
-                             .self = mesh->self,
-                             .flat = mesh->flat,
+                             .self = h->mesh.self,
+                             .flat = h->mesh.flat,
                              .work = p->work};
   CLOTH_LAUNCH(sim, p, entry_work, h->entries, &a, err);
-  CLOTH_TRY(sim->backend->scan(p->device, h->entries, p->work, err));
-  uint32_t units;
-  CLOTH_TRY(sim->backend->read(p->device, &units, p->work + h->entries, sizeof units, err));
-  h->units = (int)units;
-  return CLOTH_OK;
+  return sim->backend->scan(p->device, h->entries, p->work, err);
 }
 
 // ---- pairs --------------------------------------------------------------------------------------
 
-static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, const hash *h, cloth_pair_mesh *mesh,
-                               cloth_error *err)
+static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
 {
-  mesh->key = p->pair, mesh->capacity = p->pair_capacity;
-  mesh->count = p->counter + COUNT_PAIRS;
+  h->mesh.key = p->pair, h->mesh.capacity = p->pair_capacity;
+  h->mesh.count = p->counter + COUNT_PAIRS;
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_PAIRS, 1, err));
-  cloth_pair_share_args share = {
-      *mesh, h->grid, (cloth_real)(h->gap / 2), h->entries, p->cell_key, p->cell_triangle, p->work};
+  cloth_pair_share_args share = {h->mesh,    h->grid,     (cloth_real)(h->gap / 2),
+                                 h->entries, p->cell_key, p->cell_triangle,
+                                 p->work};
   CLOTH_LAUNCH(sim, p, pair_share, (h->units + CLOTH_SHARE - 1) / CLOTH_SHARE, &share, err);
   int chunks = (sim->triangle_count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
-  cloth_pair_large_args large = {*mesh, chunks, p->large};
+  cloth_pair_large_args large = {h->mesh, chunks, p->large};
   CLOTH_LAUNCH(sim, p, pair_large, h->large * chunks, &large, err);
   return CLOTH_OK;
 }
 
-cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, double slack,
-                                 cloth_pairs_wanted wanted, cloth_error *err)
+static cloth_pair_mesh mesh_of(const cloth_sim *sim, const cloth_part *p, double gap,
+                               cloth_pairs_wanted wanted)
 {
-  hash h = {.gap = gap, .slack = slack};
-  int near = count_near_triangles(sim);
-  h.active = sim->triangle_count + near;
-  CLOTH_TRY(list_near_triangles(sim, p, near, err));
-  CLOTH_TRY(make_boxes(sim, p, slack, err));
-  CLOTH_TRY(fill_cells(sim, p, &h, err));
   cloth_pair_mesh mesh = {.cloth_vertices = sim->vertex_count,
                           .cloth_triangles = sim->triangle_count,
                           .triangle = p->triangle,
@@ -263,31 +296,83 @@ cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, doub
                           .last = p->v1,
                           .triangles_only = wanted != CLOTH_PAIRS_FEATURES,
                           .format = sim->format};
-  if (mesh.self) {
+  return mesh;
+}
+
+// A search in four steps, between which the host reads a number. All parts do one before the host
+// asks the first for its number, so that they do it at the same time.
+
+static cloth_status begin(cloth_sim *sim, cloth_part *p, hash *h, cloth_pairs_wanted wanted,
+                          cloth_error *err)
+{
+  int near = count_near_triangles(sim);
+  h->active = sim->triangle_count + near;
+  CLOTH_TRY(list_near_triangles(sim, p, near, err));
+  CLOTH_TRY(make_boxes(sim, p, h->slack, err));
+  CLOTH_TRY(count_cells(sim, p, h, err));
+  h->mesh = mesh_of(sim, p, h->gap, wanted);
+  return CLOTH_OK;
+}
+
+static cloth_status sort_and_weigh(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+{
+  CLOTH_TRY(fill_cells(sim, p, h, err));
+  if (h->mesh.self) {
     CLOTH_TRY(cloth_flat_note(sim, p, err));
-    mesh.flat = cloth_flat_map_of(sim, p);
+    h->mesh.flat = cloth_flat_map_of(sim, p);
   }
-  CLOTH_TRY(weigh_cells(sim, p, &h, &mesh, err));
+  return weigh_cells(sim, p, h, err);
+}
+
+static cloth_status emit(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+{
+  uint32_t units = 0;
+  if (h->entries > 0)
+    CLOTH_TRY(sim->backend->read(p->device, &units, p->work + h->entries, sizeof units, err));
+  h->units = (int)units;
+  return emit_pairs(sim, p, h, err);
+}
+
+static cloth_status end(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
+{
   for (;;) {
     uint32_t count;
-    CLOTH_TRY(emit_pairs(sim, p, &h, &mesh, err));
     CLOTH_TRY(cloth_count_read(sim, p, COUNT_PAIRS, &count, err));
     p->pair_count = (int)count;
     if (count <= p->pair_capacity) return CLOTH_OK;
     CLOTH_TRY(cloth_grow(sim, p, "pair", 8 * (size_t)count, &p->pair, err)); // too small: once more
     p->pair_capacity = count + count / 2;
+    CLOTH_TRY(emit_pairs(sim, p, h, err));
   }
+}
+
+static cloth_status pairs_of_parts(cloth_sim *sim, cloth_part *part, int parts, double gap,
+                                   double slack, cloth_pairs_wanted wanted, cloth_error *err)
+{
+  hash h[CLOTH_DEVICES_MAX];
+  for (int i = 0; i < parts; i++) {
+    h[i] = (hash){.grid = choose_grid(sim, gap, slack, 1), .gap = gap, .slack = slack};
+    CLOTH_TRY(begin(sim, &part[i], &h[i], wanted, err));
+  }
+  for (int i = 0; i < parts; i++) CLOTH_TRY(sort_and_weigh(sim, &part[i], &h[i], err));
+  for (int i = 0; i < parts; i++) CLOTH_TRY(emit(sim, &part[i], &h[i], err));
+  for (int i = 0; i < parts; i++) CLOTH_TRY(end(sim, &part[i], &h[i], err));
+  return CLOTH_OK;
+}
+
+cloth_status cloth_pairs_of_part(cloth_sim *sim, cloth_part *p, double gap, double slack,
+                                 cloth_pairs_wanted wanted, cloth_error *err)
+{
+  return pairs_of_parts(sim, p, 1, gap, slack, wanted, err);
 }
 
 static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error *err)
 {
   sim->report->pair_searches++;
   sim->report->pairs = 0;
-  for (int p = 0; p < sim->part_count; p++) {
-    CLOTH_TRY(cloth_pairs_of_part(sim, &sim->part[p], gap, slack, CLOTH_PAIRS_FEATURES, err));
-    sim->report->pairs +=
-        sim->part[p].pair_count; // a pair on a border is counted by each of its parts
-  }
+  CLOTH_TRY(pairs_of_parts(sim, sim->part, sim->part_count, gap, slack, CLOTH_PAIRS_FEATURES, err));
+  for (int p = 0; p < sim->part_count; p++) // a pair on a border is counted by each of its parts
+    sim->report->pairs += sim->part[p].pair_count;
   return CLOTH_OK;
 }
 

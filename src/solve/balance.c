@@ -17,7 +17,7 @@ cloth_status cloth_balance(cloth_sim *sim, cloth_error *err)
     cloth_balance_chunk_args a = {p->v0, p->v1 - p->v0, p->r, p->partial};
     CLOTH_LAUNCH(sim, p, balance_chunk, cloth_part_chunks(p), &a, err);
   }
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, partial), true,
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, partial), CLOTH_PER_CHUNK,
                            CLOTH_PCG_PARTIALS * sizeof(cloth_real), err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];

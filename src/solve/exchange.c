@@ -13,7 +13,16 @@ static char *field_of(cloth_part *part, size_t field)
   return data;
 }
 
-cloth_status cloth_exchange(cloth_sim *sim, size_t field, bool per_chunk, size_t row,
+// a part's own rows: [begin, end)
+static size_t begin_of(const cloth_sim *sim, int vertex, cloth_rows_of rows)
+{
+  int chunk = (vertex + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+  if (rows == CLOTH_PER_VERTEX) return (size_t)vertex;
+  if (rows == CLOTH_PER_CHUNK) return (size_t)chunk;
+  return (size_t)((int64_t)chunk * sim->aggregates / sim->chunks);
+}
+
+cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, size_t row,
                             cloth_error *err)
 {
   const cloth_backend *be = sim->backend;
@@ -25,9 +34,9 @@ cloth_status cloth_exchange(cloth_sim *sim, size_t field, bool per_chunk, size_t
     CLOTH_TRY(be->record(sim->part[i].device, CLOTH_COMPUTE, sim->part[i].ready, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *from = &sim->part[i];
-    size_t begin =
-        (size_t)(per_chunk ? (from->v0 + CLOTH_CHUNK - 1) / CLOTH_CHUNK : from->v0) * row;
-    size_t end = (size_t)(per_chunk ? (from->v1 + CLOTH_CHUNK - 1) / CLOTH_CHUNK : from->v1) * row;
+    size_t begin = begin_of(sim, from->v0, rows) * row, end = begin_of(sim, from->v1, rows) * row;
+    if (rows == CLOTH_PER_NODE)
+      begin = (size_t)from->hat_share.begin * row, end = (size_t)from->hat_share.end * row;
     CLOTH_TRY(be->wait(from->device, CLOTH_COPY, from->ready, err));
     for (int j = 0; j < sim->part_count && end > begin; j++) {
       cloth_part *to = &sim->part[j];

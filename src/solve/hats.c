@@ -1,6 +1,6 @@
 // The levels of the solver that lie between vertices and the whole cloth. At load: grids over each
-// cloth as it lies at rest, their nodes in order along a space-filling curve, and lists of who
-// shares in a node. In a substep: the nodes' blocks; in an iteration: their corrections.
+// cloth as it lies at rest, their nodes in the order of the vertices, and lists of who shares in a
+// node. In a substep: the nodes' blocks; in an iteration: their corrections.
 #include "solve/hats.h"
 
 #include "hat_matrix.h"
@@ -97,6 +97,16 @@ static cloth_v3 at_level(const cloth_real *place, int i, cloth_real scale)
   return cloth_v3_make(u.x * scale, u.y * scale, u.z < 0 ? u.z : u.z * scale);
 }
 
+// nodes in the order of the first place that shares in them: as near each other as the places
+static void number_nodes(shares *s, int *number)
+{
+  int next = 0;
+  for (int c = 0; c < s->nodes; c++) number[c] = -1;
+  for (int i = 0; i < s->count * CORNERS; i++)
+    if (s->weight[i] > 0 && number[s->corner[i]] < 0) number[s->corner[i]] = next++;
+  for (int i = 0; i < s->count * CORNERS; i++) s->corner[i] = number[s->corner[i]];
+}
+
 // number the corners of all places: equal codes are one node
 static void number_corners(shares *s, const cloth_real *place, cloth_real scale, uint64_t *key,
                            uint32_t *value)
@@ -115,6 +125,7 @@ static void number_corners(shares *s, const cloth_real *place, cloth_real scale,
     if (i == 0 || key[i] != key[i - 1]) s->nodes++;
     s->corner[value[i]] = s->nodes - 1;
   }
+  number_nodes(s, (int *)key);
 }
 
 // shares of `count` places, in cells of the first level, in the nodes of the level of that scale
@@ -152,9 +163,15 @@ typedef struct lists {
   cloth_real *weight;
 } lists;
 
-// children of the nodes of all levels, in order
+static bool is_listed(const cloth_hat_share *share, const shares *s, int level, int i)
+{
+  int c = s->corner[i];
+  return s->weight[i] > 0 && (level > 0 || (c >= share->begin && c < share->end));
+}
+
+// children of the part's own nodes of the first level and of all nodes of the others, in order
 static cloth_status lists_make(lists *l, const shares *level, int levels, int nodes,
-                               cloth_error *err)
+                               const cloth_hat_share *share, cloth_error *err)
 {
   size_t entries = 0;
   for (int k = 0; k < levels; k++) entries += (size_t)level[k].count * CORNERS;
@@ -166,14 +183,14 @@ static cloth_status lists_make(lists *l, const shares *level, int levels, int no
   int *place = l->first + 1; // place[c]: first the count of c, then where its next child goes
   for (int k = 0, node = 0; k < levels; node += level[k++].nodes)
     for (int i = 0; i < level[k].count * CORNERS; i++)
-      place[node + level[k].corner[i]] += level[k].weight[i] > 0;
+      place[node + level[k].corner[i]] += is_listed(share, &level[k], k, i);
   for (int c = 0, sum = 0; c < nodes; c++) {
     int count = place[c];
     place[c] = sum, sum += count;
   }
   for (int k = 0, node = 0; k < levels; node += level[k++].nodes)
     for (int i = 0; i < level[k].count * CORNERS; i++) {
-      if (!(level[k].weight[i] > 0)) continue;
+      if (!is_listed(share, &level[k], k, i)) continue;
       int to = place[node + level[k].corner[i]]++;
       l->child[to] = i / CORNERS, l->weight[to] = level[k].weight[i];
     }
@@ -195,7 +212,10 @@ static cloth_status upload_lists(cloth_sim *sim, cloth_part *p, const shares *le
   size_t entries = (size_t)l->first[h->nodes], shared = CORNERS * (size_t)level[0].count;
   const size_t of_int = sizeof(int), of_real = sizeof(cloth_real);
   CLOTH_TRY(cloth_upload(sim, p, "hat_corner", level[0].corner, of_int * shared, &h->corner, err));
-  CLOTH_TRY(cloth_upload(sim, p, "hat_weight", level[0].weight, of_real * shared, &h->weight, err));
+  size_t at = CORNERS * (size_t)p->v0, own = CORNERS * (size_t)(p->v1 - p->v0); // weights: own rows
+  CLOTH_TRY(
+      cloth_upload(sim, p, "hat_weight", level[0].weight + at, of_real * own, &h->weight, err));
+  h->weight -= at;
   CLOTH_TRY(
       cloth_upload(sim, p, "hat_first", l->first, of_int * ((size_t)h->nodes + 1), &h->first, err));
   CLOTH_TRY(cloth_upload(sim, p, "hat_child", l->child, of_int * entries, &h->child, err));
@@ -229,14 +249,18 @@ static cloth_status take_levels(cloth_sim *sim, cloth_part *p, const shares *lev
   lists l = {NULL, NULL, NULL};
   *h = (cloth_hats){.fine = level[0].nodes, .uppers = CORNERS * (levels - 1)};
   for (int k = 0; k < levels; k++) h->nodes += level[k].nodes;
-  cloth_status status = lists_make(&l, level, levels, h->nodes, err);
+  CLOTH_TRY(cloth_hat_share_build(sim, p, level[0].corner, level[0].weight, err));
+  cloth_status status = lists_make(&l, level, levels, h->nodes, &p->hat_share, err);
   if (status == CLOTH_OK) status = upload_lists(sim, p, level, levels, &l, err);
   lists_free(&l);
   CLOTH_TRY(status);
   CLOTH_TRY(take_reals(sim, p, "hat_inverse", h->nodes, 6, &h->inverse, err));
   CLOTH_TRY(take_reals(sim, p, "hat_rest", h->nodes, 3, &h->rest, err));
   CLOTH_TRY(take_reals(sim, p, "hat_correction", h->nodes, 3, &h->correction, err));
-  CLOTH_TRY(take_reals(sim, p, "hat_block", sim->vertex_count, BLOCKS, &p->hat_block, err));
+  int own = p->v1 - p->v0; // joined parts read the others' where they are
+  CLOTH_TRY(take_reals(sim, p, "hat_block", sim->joined ? own : sim->vertex_count, BLOCKS,
+                       &p->hat_block, err));
+  if (sim->joined) p->hat_block -= (size_t)p->v0 * BLOCKS;
   sim->hat_groups = cloth_hat_fine_groups(h) + cloth_hat_groups(h);
   return take_reals(sim, p, "hat_part", h->fine, 12, &p->hat_part, err);
 }
@@ -266,6 +290,24 @@ cloth_status cloth_hats_build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 
 // ---- in a substep -------------------------------------------------------------------------------
 
+// blocks of the part's own nodes of the first level
+static cloth_status matrix(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  cloth_hat_matrix_args m = {.hats = p->hats,
+                             .first = p->hat_share.begin,
+                             .parts = 1,
+                             .cut = {0, sim->vertex_count},
+                             .block = {p->hat_block},
+                             .part = p->hat_part};
+  if (sim->joined) {
+    m.parts = sim->part_count;
+    cloth_cuts(sim, m.cut);
+    for (int j = 0; j < sim->part_count; j++) m.block[j] = sim->part[j].hat_block;
+  }
+  return cloth_launch(sim, p, CLOTH_KERNEL_hat_matrix, p->hat_share.end - p->hat_share.begin, &m,
+                      err);
+}
+
 cloth_status cloth_hats_update(cloth_sim *sim, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
@@ -283,12 +325,17 @@ cloth_status cloth_hats_update(cloth_sim *sim, cloth_error *err)
                             .block = p->hat_block};
     CLOTH_LAUNCH(sim, p, hat_row, p->v1 - p->v0, &a, err);
   }
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, hat_block), false, BLOCKS * sizeof(cloth_real),
-                           err));
+  if (sim->joined)
+    CLOTH_TRY(cloth_meet(sim, err));
+  else
+    CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, hat_block), CLOTH_PER_VERTEX,
+                             BLOCKS * sizeof(cloth_real), err));
+  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(matrix(sim, &sim->part[i], err));
+  if (sim->joined)
+    CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, hat_part), CLOTH_PER_NODE,
+                             12 * sizeof(cloth_real), err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_hat_matrix_args m = {p->hats, p->hat_block, p->hat_part};
-    CLOTH_LAUNCH(sim, p, hat_matrix, p->hats.fine, &m, err);
     cloth_hat_upper_args u = {p->hats, p->hat_part};
     CLOTH_LAUNCH(sim, p, hat_upper, p->hats.nodes - p->hats.fine, &u, err);
   }
@@ -304,7 +351,8 @@ cloth_hat_rest_args cloth_hats_args(const cloth_sim *sim, const cloth_part *p,
 
 cloth_status cloth_hats_correct(cloth_sim *sim, bool start, cloth_error *err)
 {
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, r), false, 3 * sizeof(cloth_real), err));
+  CLOTH_TRY(
+      cloth_exchange(sim, offsetof(cloth_part, r), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real), err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     const cloth_real *done = start ? NULL : p->scalar + CLOTH_PCG_DONE;

@@ -8,6 +8,11 @@
 /// sim->hat_groups, the same on every part. Fails when out of memory.
 cloth_status cloth_hats_build(cloth_sim *sim, cloth_part *part, cloth_error *err);
 
+/// Whose nodes are whose, where parts are joined; without that, every part has all. Writes
+/// part->hat_share. corner, weight [vertices x 4] as in cloth_hats. Fails when out of memory.
+cloth_status cloth_hat_share_build(cloth_sim *sim, cloth_part *part, const int *corner,
+                                   const cloth_real *weight, cloth_error *err);
+
 /// Queue the blocks of all nodes, from the rows of the first linear system of a substep.
 cloth_status cloth_hats_update(cloth_sim *sim, cloth_error *err);
 

@@ -182,6 +182,7 @@ cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *
   row_columns r = {0};
   cloth_status status = find_columns(part, &r, err);
   if (status == CLOTH_OK) status = upload_rows(sim, part, &r, err);
+  if (status == CLOTH_OK) status = cloth_halo_build(sim, part, r.first, r.col, err);
   cloth_elements *list[] = {&part->membrane, &part->bend, &part->drag};
   for (int i = 0; i < 3; i++) {
     cloth_elements *e = list[i];

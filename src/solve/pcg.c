@@ -14,9 +14,9 @@
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_finish.h"
+#include "pcg_part.h"
 #include "pcg_product.h"
 #include "pcg_residual.h"
-#include "pcg_solve.h"
 #include "pcg_start.h"
 #include "pcg_update.h"
 #include "solve/hats.h"
@@ -47,7 +47,7 @@ static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
 
 static cloth_status exchange_partial(cloth_sim *sim, cloth_error *err)
 {
-  return cloth_exchange(sim, offsetof(cloth_part, partial), true,
+  return cloth_exchange(sim, offsetof(cloth_part, partial), CLOTH_PER_CHUNK,
                         CLOTH_PCG_PARTIALS * sizeof(cloth_real), err);
 }
 
@@ -120,6 +120,13 @@ static cloth_status product(cloth_sim *sim, bool of_dx, cloth_error *err)
   return CLOTH_OK;
 }
 
+// the aggregate that begins with this vertex, where a part does
+static int aggregate_at(const cloth_sim *sim, int vertex)
+{
+  int chunk = (vertex + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+  return (int)((int64_t)chunk * sim->aggregates / sim->chunks);
+}
+
 // what the coarser levels need, from the first linear system of a substep
 static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
 {
@@ -142,12 +149,16 @@ static cloth_status coarsen(cloth_sim *sim, cloth_error *err)
                                  .slice = p->slice};
     CLOTH_LAUNCH(sim, p, coarse_chunk, cloth_part_chunks(p), &a, err);
   }
-  size_t row = sizeof(cloth_real) * 9 * (size_t)sim->aggregates;
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, slice), true, row, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_coarse_sum_args m = {sim->chunks, sim->aggregates, p->slice, p->factor};
-    CLOTH_LAUNCH(sim, p, coarse_sum, sim->aggregates, &m, err);
+    int first = aggregate_at(sim, p->v0), end = aggregate_at(sim, p->v1);
+    cloth_coarse_sum_args m = {sim->chunks, sim->aggregates, first, p->slice, p->factor};
+    CLOTH_LAUNCH(sim, p, coarse_sum, end - first, &m, err);
+  }
+  size_t row = sizeof(cloth_real) * 9 * (size_t)sim->aggregates; // three columns
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, factor), CLOTH_PER_AGGREGATE, row, err));
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
     cloth_coarse_factor_args f = {sim->aggregates, p->factor, p->usable};
     CLOTH_LAUNCH(sim, p, coarse_factor, 1, &f, err);
     cloth_coarse_inverse_args a = {sim->aggregates, p->factor, p->usable, p->inverse};
@@ -180,7 +191,8 @@ static cloth_status direction(cloth_sim *sim, cloth_error *err)
     cloth_pcg_direction_args a = {vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_direction, cloth_part_chunks(&sim->part[i]), &a, err);
   }
-  return cloth_exchange(sim, offsetof(cloth_part, p), false, 3 * sizeof(cloth_real), err);
+  return cloth_exchange(sim, offsetof(cloth_part, p), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real),
+                        err);
 }
 
 static cloth_status start(cloth_sim *sim, cloth_error *err)
@@ -211,7 +223,8 @@ static cloth_status iterate(cloth_sim *sim, cloth_error *err)
 // the true residual, and the reactions of held rows in r
 static cloth_status residual(cloth_sim *sim, cloth_error *err)
 {
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, dx), false, 3 * sizeof(cloth_real), err));
+  CLOTH_TRY(
+      cloth_exchange(sim, offsetof(cloth_part, dx), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real), err));
   CLOTH_TRY(product(sim, true, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_pcg_residual_args a = {vectors(sim, &sim->part[i])};
@@ -255,10 +268,8 @@ static cloth_status iterate_all(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
-// The same in one call, where the backend can and there is nothing to exchange.
-static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
+static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p)
 {
-  cloth_part *p = &sim->part[0];
   const cloth_real *done = done_flag(p);
   size_t sums = (size_t)(sim->chunks + sim->hat_groups);
   cloth_pcg_solve_args a = {.v = vectors(sim, p),
@@ -271,8 +282,57 @@ static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
                             .beta = beta_args(sim, p, 1),
                             .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
                             .iterations_max = sim->params.pcg_iterations_max};
+  return a;
+}
+
+// The same in one call, where the backend can and there is nothing to exchange.
+static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
+{
+  cloth_pcg_solve_args a = solve_args(sim, &sim->part[0]);
   sim->launches++;
-  return sim->backend->solve(p->device, &a, err);
+  return sim->backend->solve(sim->part[0].device, &a, err);
+}
+
+static cloth_pcg_part_args part_args(const cloth_sim *sim, const cloth_part *p)
+{
+  cloth_pcg_part_args a = {.solve = solve_args(sim, p),
+                           .parts = sim->part_count,
+                           .me = p->index,
+                           .whole = sim->params.exchange == CLOTH_EXCHANGE_WHOLE,
+                           .overlap = sim->params.overlap,
+                           .reader = p->reader,
+                           .chunk_reader = p->chunk_reader,
+                           .order = p->halo_order,
+                           .outer = p->halo_outer,
+                           .share = p->hat_share};
+  for (int j = 0; j < sim->part_count; j++) {
+    const cloth_part *o = &sim->part[j];
+    a.peer[j] = (cloth_pcg_peer){.p = o->p,
+                                 .partial = o->partial,
+                                 .pq = o->pq,
+                                 .r = o->r,
+                                 .q = o->q,
+                                 .hat_rest = o->hats.rest,
+                                 .hat_correction = o->hats.correction,
+                                 .flag = o->flag};
+  }
+  return a;
+}
+
+// The same by all parts at once, in each other's memory. All must be through with that before.
+static cloth_status solve_together(cloth_sim *sim, cloth_error *err)
+{
+  cloth_pcg_part_args a[CLOTH_PARTS_MAX];
+  cloth_device *device[CLOTH_PARTS_MAX];
+  CLOTH_TRY(cloth_halo_update(sim, err));
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(sim->backend->fill(p->device, p->flag, 0, sizeof(int) * CLOTH_FLAG_WORDS, err));
+    a[i] = part_args(sim, p), device[i] = p->device;
+  }
+  CLOTH_TRY(cloth_meet(sim, err));
+  sim->launches += sim->part_count;
+  return sim->backend->solve_parts(sim->part_count, device, a, err);
 }
 
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
@@ -281,12 +341,16 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
   CLOTH_TRY(coarsen(sim, err));
   if (sim->part_count == 1 && sim->backend->solve != NULL)
     CLOTH_TRY(solve_at_once(sim, err));
+  else if (sim->joined)
+    CLOTH_TRY(solve_together(sim, err));
   else
     CLOTH_TRY(iterate_all(sim, err));
   CLOTH_TRY(residual(sim, err));
   CLOTH_TRY(correct(sim, err));
   CLOTH_TRY(read_scalars(sim, scalar, err));
 
+  if (scalar[CLOTH_PCG_LOST] > 0)
+    CLOTH_FAIL(err, CLOTH_DEVICE_LOST, "a device did not answer the others within a solve");
   double bb = (double)scalar[CLOTH_PCG_BB], rr = (double)scalar[CLOTH_PCG_RESIDUAL];
   double relative = bb > 0 ? sqrt(rr / bb) : 0;
   cloth_step_report *report = sim->report;

@@ -113,8 +113,8 @@ static void args_at(const cloth_sim *sim, const cloth_part *p, const cloth_sprin
 static cloth_status swap_buffers(cloth_sim *sim, cloth_error *err)
 {
   const size_t row = 3 * sizeof(cloth_real);
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, x), false, row, err));
-  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, v_next), false, row, err));
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, x), CLOTH_PER_VERTEX, row, err));
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, v_next), CLOTH_PER_VERTEX, row, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     cloth_real *x = p->x, *v = p->v_next;

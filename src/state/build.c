@@ -21,10 +21,45 @@ enum { CLOTH_TWO_LEVEL = 1, CLOTH_MULTILEVEL = 2 }; // of the parameter precondi
 
 // ---- devices and parts --------------------------------------------------------------------------
 
-// parts own whole chunks, so that sums over chunks do not depend on the cut
+// can they solve together, and are they told to?
+static bool parts_join(const cloth_sim *sim)
+{
+  cloth_device *device[CLOTH_DEVICES_MAX];
+  for (int p = 0; p < sim->part_count; p++) device[p] = sim->part[p].device;
+  return sim->part_count > 1 && sim->params.exchange != CLOTH_EXCHANGE_LAUNCHES &&
+         sim->backend->solve_parts != NULL && sim->backend->joined(sim->part_count, device);
+}
+
+// coarser levels are worth it when there is something stiff to solve and more than a patch of it
+static bool has_coarser_levels(const cloth_sim *sim)
+{
+  return !cloth_is_mass_spring(sim) && sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
+}
+
+static void choose_aggregates(cloth_sim *sim)
+{
+  bool two = has_coarser_levels(sim) && sim->params.preconditioner == CLOTH_TWO_LEVEL;
+  sim->aggregates = !two                                 ? 0
+                    : sim->chunks < CLOTH_AGGREGATES_MAX ? sim->chunks
+                                                         : CLOTH_AGGREGATES_MAX;
+}
+
+// the first vertex of a part: that of a chunk, so that sums over chunks do not depend on the cut,
+// and of an aggregate, so that a part has all that its columns of the coarse matrix need
+static int cut_at(const cloth_sim *sim, int part, int parts)
+{
+  int chunk = (int)((int64_t)sim->chunks * part / parts);
+  if (sim->aggregates > 0)
+    chunk = cloth_aggregate_begin((int)((int64_t)sim->aggregates * part / parts), sim->chunks,
+                                  sim->aggregates);
+  int vertex = chunk * CLOTH_CHUNK;
+  return vertex < sim->vertex_count ? vertex : sim->vertex_count;
+}
+
 static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
 {
   sim->chunks = (sim->vertex_count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+  choose_aggregates(sim);
   int parts = sim->def->device_count > 0 ? sim->def->device_count : 1;
   for (int p = 0; p < parts; p++) {
     cloth_part *part = &sim->part[p];
@@ -33,10 +68,7 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
       CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "device %d is not in [0, %d) of backend %s", index,
                  sim->backend->device_count(), sim->backend->name);
     part->index = p;
-    part->v0 = (int)((int64_t)sim->chunks * p / parts) * CLOTH_CHUNK;
-    part->v1 = (int)((int64_t)sim->chunks * (p + 1) / parts) * CLOTH_CHUNK;
-    if (part->v1 > sim->vertex_count) part->v1 = sim->vertex_count;
-    if (part->v0 > sim->vertex_count) part->v0 = sim->vertex_count;
+    part->v0 = cut_at(sim, p, parts), part->v1 = cut_at(sim, p + 1, parts);
     CLOTH_TRY(sim->backend->open(index, sim->params.threads, &part->device, err));
     sim->part_count = p + 1;
     CLOTH_TRY(sim->backend->event_new(part->device, &part->ready, err));
@@ -46,6 +78,7 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
     CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_begin, err));
     CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_end, err));
   }
+  sim->joined = parts_join(sim);
   return CLOTH_OK;
 }
 
@@ -57,6 +90,17 @@ static cloth_status take_reals(cloth_sim *sim, cloth_part *p, const char *name, 
   return cloth_take(sim, p, name, sizeof(cloth_real) * (size_t)rows * (size_t)width, out, err);
 }
 
+// rows of the part's own chunks alone, `rows` of `width` in each. *out stands where the whole array
+// would begin, so that all arrays are read with the same indices.
+static cloth_status take_own(cloth_sim *sim, cloth_part *p, const char *name, int rows, int width,
+                             cloth_real **out, cloth_error *err)
+{
+  size_t before = (size_t)(p->v0 / CLOTH_CHUNK) * (size_t)rows * (size_t)width;
+  CLOTH_TRY(take_reals(sim, p, name, cloth_part_chunks(p) * rows, width, out, err));
+  *out -= before;
+  return CLOTH_OK;
+}
+
 static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   bool alone = cloth_is_mass_spring(sim) || cloth_flies(sim); // vertices of bodies have no use
@@ -65,8 +109,10 @@ static cloth_status take_vertices(cloth_sim *sim, cloth_part *p, cloth_error *er
   CLOTH_TRY(take_reals(sim, p, "x", all, 3, &p->x, err));
   CLOTH_TRY(take_reals(sim, p, "v", n, 3, &p->v, err));
   CLOTH_TRY(take_reals(sim, p, "v_next", n, 3, &p->v_next, err));
-  CLOTH_TRY(take_reals(sim, p, "x_saved", n, 3, &p->x_saved, err));
-  CLOTH_TRY(take_reals(sim, p, "v_saved", n, 3, &p->v_saved, err));
+  cloth_real **saved[] = {&p->x_saved, &p->v_saved};
+  for (int i = 0; i < 2; i++) // cloth in flight changes them for x_t0 and v (state/flight.c)
+    CLOTH_TRY(cloth_flies(sim) ? take_reals(sim, p, "saved", n, 3, saved[i], err)
+                               : take_own(sim, p, "saved", CLOTH_CHUNK, 3, saved[i], err));
   CLOTH_TRY(cloth_upload_real(sim, p, "x_rest", sim->rest, 3 * n, &p->x_rest, err));
   CLOTH_TRY(cloth_upload_real(sim, p, "mass", sim->mass, n, &p->mass, err));
   for (int i = 0; i < n; i++) sim->host[i] = 1;
@@ -77,10 +123,13 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   int n = sim->vertex_count, padded = sim->chunks * CLOTH_CHUNK;
   CLOTH_TRY(take_reals(sim, p, "x_pred", n, 3, &p->x_pred, err));
-  cloth_real **solve[] = {&p->b, &p->dx, &p->r, &p->z, &p->p, &p->q};
-  for (int i = 0; i < 6; i++) // one more: block_rows.h reads past the last vertex
-    CLOTH_TRY(take_reals(sim, p, "solve", padded + 1, 3, solve[i], err));
-  CLOTH_TRY(take_reals(sim, p, "inverse_diagonal", padded, 6, &p->inverse_diagonal, err));
+  bool hats = sim->hat_groups > 0; // their nodes need q of other parts' vertices
+  cloth_real **all[] = {&p->dx, &p->p, &p->r, &p->q}, **own[] = {&p->b, &p->z, &p->q};
+  for (int i = 0; i < (hats ? 4 : 3); i++) // one more: block_rows.h reads past the last vertex
+    CLOTH_TRY(take_reals(sim, p, "solve", padded + 1, 3, all[i], err));
+  for (int i = 0; i < (hats ? 2 : 3); i++)
+    CLOTH_TRY(take_own(sim, p, "solve", CLOTH_CHUNK, 3, own[i], err));
+  CLOTH_TRY(take_own(sim, p, "inverse_diagonal", CLOTH_CHUNK, 6, &p->inverse_diagonal, err));
   int sums = 2 * sim->chunks + sim->hat_groups; // some for z, others for the product
   CLOTH_TRY(take_reals(sim, p, "partial", sums, CLOTH_PCG_PARTIALS, &p->partial, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
@@ -94,7 +143,7 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
 static cloth_status take_coarse(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   int n = 3 * sim->aggregates;
-  CLOTH_TRY(take_reals(sim, p, "slice", sim->chunks, 3 * n, &p->slice, err));
+  CLOTH_TRY(take_own(sim, p, "slice", 1, 3 * n, &p->slice, err));
   CLOTH_TRY(take_reals(sim, p, "factor", n, n, &p->factor, err));
   CLOTH_TRY(take_reals(sim, p, "inverse", n, n, &p->inverse, err));
   CLOTH_TRY(take_reals(sim, p, "usable", 1, 1, &p->usable, err));
@@ -183,14 +232,8 @@ static cloth_status build_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_vertices(sim, p, err));
   if (cloth_is_mass_spring(sim)) return cloth_springs_upload(sim, p, err);
   if (cloth_flies(sim)) return cloth_flight_take(sim, p, err);
-  // worth it when there is something stiff to solve and more than a patch of it
-  bool coarser = sim->active[CLOTH_EFFECT_membrane] && sim->chunks >= 4;
-  bool two = coarser && sim->params.preconditioner == CLOTH_TWO_LEVEL;
-  sim->aggregates = !two                                 ? 0
-                    : sim->chunks < CLOTH_AGGREGATES_MAX ? sim->chunks
-                                                         : CLOTH_AGGREGATES_MAX;
-  if (two) CLOTH_TRY(take_coarse(sim, p, err));
-  if (coarser && sim->params.preconditioner == CLOTH_MULTILEVEL)
+  if (sim->aggregates > 0) CLOTH_TRY(take_coarse(sim, p, err));
+  if (has_coarser_levels(sim) && sim->params.preconditioner == CLOTH_MULTILEVEL)
     CLOTH_TRY(cloth_hats_build(sim, p, err));
   CLOTH_TRY(take_solve(sim, p, err));
   CLOTH_TRY(cloth_bdf2_take(sim, p, err));

@@ -17,6 +17,7 @@
 #include "contact/tangle.h"
 #include "flat_patch.h"
 #include "hat.h"
+#include "hat_share.h"
 #include "pair_key.h"
 #include "real.h"
 #include "scene/def.h"
@@ -24,6 +25,8 @@
 
 typedef struct cloth_sim cloth_sim;
 typedef struct cloth_bend_rest cloth_bend_rest; // effect/bend_rest.h
+
+enum { CLOTH_EXCHANGE_HALO, CLOTH_EXCHANGE_WHOLE, CLOTH_EXCHANGE_LAUNCHES }; // parameter `exchange`
 
 enum { CLOTH_CORE = -1 }; // owner of memory and launches that belong to no effect
 
@@ -103,6 +106,8 @@ typedef struct cloth_part {
   uint32_t *cells;                       // [active + 1]
   uint64_t *cell_key, *cell_key_spare;
   uint32_t *cell_triangle, *cell_triangle_spare, *work, *large;
+  uint32_t *cell_mark; // [2^cell_mark_bits / 32] cell_mark.h; NULL with one part
+  int cell_mark_bits;
   uint64_t *pair;
   uint32_t *counter; // [8] small counts that the host reads
   uint32_t cell_capacity, pair_capacity, active_capacity;
@@ -147,16 +152,26 @@ typedef struct cloth_part {
   int row_slots, row_widest; // slots of all groups, of the longest row
   int *row_first, *row_col;
   cloth_real *row_val;
-  cloth_real *b, *dx, *r, *z, *p, *q; // [n x 3]
-  cloth_real *inverse_diagonal;       // [n x 6]
+  cloth_real *dx, *p;           // [n x 3]
+  cloth_real *b, *z;            // [n x 3], of which only the part's own are there
+  cloth_real *r;                // [n x 3], of which the part's own count, and with hats its nodes'
+  cloth_real *q;                // [n x 3], the part's own, with hats all
+  cloth_real *inverse_diagonal; // [n x 6], likewise
   cloth_real *partial, *scalar;
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
-  cloth_real *commit, *largest;                 // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
-  cloth_real *x_saved, *v_saved;                // [n x 3] start of the whole step, for going back
-  cloth_real *balance;                          // [3] m, solve/balance.c
-  cloth_real *box_of_chunk;                     // [chunks x 6] m
+  cloth_hat_share hat_share; // joined parts: whose nodes are whose; hat_block: own rows alone
+  uint32_t *reader_mesh, *reader; // [rows of the part] of the mesh, of all: halo_contact.h; NULL
+                                  // where parts are not joined
+  uint32_t *chunk_reader, *halo_place, *halo_order; // [chunks of the part (+ 1)] halo_order.h
+  uint32_t *halo_outer;                             // [2]
+  cloth_real *pq;                                   // [chunks] pcg_part.h
+  int *flag;                                        // [CLOTH_FLAG_WORDS]
+  cloth_real *commit, *largest;                     // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
+  cloth_real *x_saved, *v_saved; // [n x 3] own rows at the start of the whole step, for going back
+  cloth_real *balance;           // [3] m, solve/balance.c
+  cloth_real *box_of_chunk;      // [chunks x 6] m
   cloth_event *ready, *sent;
   cloth_event *stage_begin, *stage_end;   // with the parameter `profile`
   cloth_event *launch_begin, *launch_end; // with `profile` 2
@@ -209,6 +224,7 @@ struct cloth_sim {
   const cloth_backend *backend;
   char backend_why[200];
   int part_count;
+  bool joined; // the parts solve together, in each other's memory: pcg_part.h
   cloth_part part[CLOTH_DEVICES_MAX];
 
   // numbering
@@ -411,13 +427,36 @@ cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
 int cloth_impacts_of_cloth(const cloth_sim *sim); // of cloth with cloth, of those last found
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
-// ---- parts (solve/exchange.c) -------------------------------------------------------------------
+// ---- parts (solve/exchange.c, solve/halo.c) -----------------------------------------------------
+
+/// What a row of an array stands for. Parts own whole chunks, and with a coarse level whole
+/// aggregates; nodes of hats they own as hat_share.h says.
+typedef enum cloth_rows_of {
+  CLOTH_PER_VERTEX,
+  CLOTH_PER_CHUNK,
+  CLOTH_PER_AGGREGATE,
+  CLOTH_PER_NODE // of the hats' first level, joined parts only
+} cloth_rows_of;
 
 /// Each part sends its own rows of a vector to all others. `field` is the vector's offset in
-/// cloth_part; per_chunk: rows are chunks instead of vertices; `row` bytes each. Queued, not
-/// finished.
-cloth_status cloth_exchange(cloth_sim *sim, size_t field, bool per_chunk, size_t row,
+/// cloth_part; `row` bytes each. Queued, not finished.
+cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, size_t row,
                             cloth_error *err);
+
+/// What is queued next on COMPUTE of any part starts when all parts have done what was queued
+/// before.
+cloth_status cloth_meet(cloth_sim *sim, cloth_error *err);
+
+/// Vertices [cut[j], cut[j + 1]) are part j's. cut [parts + 1], written.
+void cloth_cuts(const cloth_sim *sim, int *cut);
+
+/// Who reads which rows of a part: the mesh's share, from the columns of its rows [rows + 1], and
+/// what a solve by joined parts needs. Nothing where they are not joined.
+cloth_status cloth_halo_build(cloth_sim *sim, cloth_part *part, const int *first, const int *col,
+                              cloth_error *err);
+
+/// The same with the contacts of this system, on all parts.
+cloth_status cloth_halo_update(cloth_sim *sim, cloth_error *err);
 
 /// Copy on one device, in order with its COMPUTE queue.
 cloth_status cloth_copy_local(cloth_sim *sim, cloth_part *part, void *dst, const void *src,

@@ -1,0 +1,483 @@
+// A linear solve by several devices: one cooperative kernel on each, all at the same time, in each
+// other's memory. kernels/physics/pcg_part.h says who tells whom what. Inside a device it is the
+// kernel of solve.cu: loops over chunks by all blocks, with a barrier behind each; the block that
+// comes last to a barrier gives the signal to the other devices and waits for theirs.
+//
+// Nothing hangs: who waits longer than PATIENCE gives up, tells the others, and all leave.
+#include "launch.h"
+#include "pcg_part.h"
+#include "reduce.cuh"
+
+namespace {
+
+enum {
+  RESIDENT = 4,
+  THREADS = CLOTH_PCG_LANES,
+  CHUNKS = THREADS / CLOTH_CHUNK,
+  WARPS = THREADS / CLOTH_WARP,
+  POLLS = 1024 // between two looks at the clock
+};
+
+constexpr unsigned long long PATIENCE = 10000000000ull; // ns
+
+using part_args = cloth_pcg_part_args;
+
+struct grid {
+  const part_args &a;
+  int *flag;         // signals of the others
+  unsigned *arrived; // blocks at barriers
+  volatile unsigned *passed;
+  volatile int *lost;
+  unsigned barriers; // passed by this block
+};
+
+// ---- waiting ------------------------------------------------------------------------------------
+
+__device__ unsigned long long nanoseconds(void)
+{
+  unsigned long long t;
+  asm volatile("mov.u64 %0, %globaltimer;" : "=l"(t));
+  return t;
+}
+
+__device__ void tell(const grid &g, int part, int number)
+{
+  *static_cast<volatile int *>(g.a.peer[part].flag + g.a.me * CLOTH_FLAG_STRIDE) = number;
+}
+
+__device__ void give_up(const grid &g)
+{
+  *g.lost = 1;
+  for (int j = 0; j < g.a.parts; j++)
+    if (j != g.a.me) tell(g, j, CLOTH_FLAG_LOST);
+}
+
+// one thread, until ready() or all is lost
+template <typename Ready> __device__ void spin(const grid &g, Ready ready)
+{
+  unsigned long long since = 0;
+  for (unsigned n = 1; !ready(); n++) {
+    if (n % POLLS > 0) continue;
+    if (*g.lost) return;
+    unsigned long long now = nanoseconds();
+    if (since == 0) since = now;
+    if (now - since < PATIENCE) continue;
+    give_up(g);
+    return;
+  }
+}
+
+// The block goes on when all parts have given this signal; what they wrote before is seen.
+__device__ void await(const grid &g, int number)
+{
+  int j = (int)threadIdx.x;
+  if (j < g.a.parts && j != g.a.me) {
+    const volatile int *flag = g.flag + j * CLOTH_FLAG_STRIDE;
+    spin(g, [&] {
+      int told = *flag;
+      if (told == CLOTH_FLAG_LOST) *g.lost = 1;
+      return told >= number;
+    });
+    __threadfence_system();
+  }
+  __syncthreads();
+}
+
+// By one block, when all blocks of the device have written: so have they on the others' memory.
+__device__ void signal(const grid &g, int number)
+{
+  int j = (int)threadIdx.x;
+  if (j < g.a.parts && j != g.a.me) {
+    __threadfence_system();
+    tell(g, j, number);
+  }
+}
+
+__device__ bool is_lost(const grid &g)
+{
+  __shared__ int lost;
+  __syncthreads();
+  if (threadIdx.x == 0) lost = *g.lost;
+  __syncthreads();
+  return lost != 0;
+}
+
+// All blocks of the device meet (they are all resident), and `last` runs on the whole block that
+// arrives last before any goes on. far: what was written to other devices is there before.
+template <typename Last> __device__ void barrier(grid &g, bool far, Last last)
+{
+  __shared__ int is_last;
+  g.barriers++;
+  __syncthreads();
+  if (threadIdx.x == 0) {
+    if (far)
+      __threadfence_system(); // of the whole block: the barrier above came first
+    else
+      __threadfence();
+    is_last = atomicAdd(g.arrived, 1) == g.barriers * gridDim.x - 1;
+    __threadfence();
+  }
+  __syncthreads();
+  if (is_last) {
+    last();
+    __syncthreads();
+    if (threadIdx.x == 0) {
+      __threadfence();
+      *g.passed = g.barriers;
+    }
+  } else if (threadIdx.x == 0) {
+    unsigned number = g.barriers;
+    spin(g, [&] { return *g.passed >= number; });
+    __threadfence();
+  }
+  __syncthreads();
+}
+
+__device__ void barrier(grid &g)
+{
+  barrier(g, false, [] {});
+}
+
+// ---- phases -------------------------------------------------------------------------------------
+
+// r = row(k) for each vertex k of the part, then z and the partial sums of each chunk, for
+// everybody
+template <typename Row> __device__ void for_levels(const part_args &a, cloth_real *upper, Row row)
+{
+  const cloth_pcg_vectors &v = a.solve.v;
+  int chunks = (v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
+  for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
+    int i = c + (int)threadIdx.x / CLOTH_CHUNK, k = v.first + i * CLOTH_CHUNK + lane;
+    cloth_v3 r = cloth_v3_make(0, 0, 0);
+    bool there = k < v.first + v.count;
+    if (there) r = row(k);
+    cloth_block_z(&v, k - lane, k, there, r, upper);
+    if (lane > 0 || i >= chunks) continue;
+    const cloth_real *from = v.partial + CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK);
+    for (int j = 0; j < a.parts; j++)
+      for (int f = 0; j != a.me && f < (v.coarse ? CLOTH_PCG_PARTIALS : 2); f++)
+        a.peer[j].partial[from - v.partial + f] = from[f];
+  }
+}
+
+// q = A p of chunks [begin, end) of the order, and their sums p'q for everybody. From chunk `wait`
+// of the order on the directions of the others are needed.
+__device__ void for_rows(const grid &g, int begin, int end, int wait, int number, cloth_real *upper)
+{
+  const part_args &a = g.a;
+  const cloth_pcg_product_args &product = a.solve.product;
+  int lane = (int)threadIdx.x % CLOTH_CHUNK;
+  bool waited = false;
+  for (int c = begin + (int)blockIdx.x * CHUNKS; c < end; c += (int)gridDim.x * CHUNKS) {
+    if (!waited && c + CHUNKS > wait) {
+      await(g, number);
+      waited = true;
+    }
+    int at = c + (int)threadIdx.x / CLOTH_CHUNK;
+    int i = at < end ? (int)a.order[at] : 0, row = i * CLOTH_CHUNK + lane;
+    cloth_real sum[1] = {};
+    if (at < end && row < a.solve.v.count)
+      sum[0] = cloth_pcg_product_row(row, &product,
+                                     cloth_block_row_product(&product.rows, row, product.x));
+    if (at < end && row < a.solve.v.count) cloth_hat_row_send(&a, row, 0);
+    cloth_block_chunk_sums(sum, upper);
+    if (lane == 0 && at < end)
+      for (int j = 0; j < a.parts; j++) a.peer[j].pq[a.solve.v.first / CLOTH_CHUNK + i] = sum[0];
+  }
+}
+
+__device__ void for_contacts(const grid &g, bool inner, bool outer)
+{
+  int stride = (int)(gridDim.x * blockDim.x);
+  for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < g.a.solve.contacts; i += stride)
+    if (cloth_contact_is_outer(&g.a, i) ? outer : inner)
+      cloth_contact_product(i, &g.a.solve.contact);
+}
+
+// Own rows while the others' directions travel. Contacts that need these have a barrier of their
+// own.
+__device__ void product(grid &g, int number, cloth_real *upper)
+{
+  const part_args &a = g.a;
+  bool contacts = a.solve.contacts > 0, outer = a.outer[1] > 0;
+  int chunks = (a.solve.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+  int inner = chunks - (int)a.outer[0];
+  if (!a.overlap) await(g, number);
+  for_contacts(g, true, !a.overlap);
+  if (contacts) barrier(g);
+  if (!a.overlap) {
+    for_rows(g, 0, chunks, chunks, number, upper);
+  } else if (!outer) {
+    for_rows(g, 0, chunks, inner, number, upper);
+  } else {
+    for_rows(g, 0, inner, inner, number, upper);
+    await(g, number);
+    for_contacts(g, false, true);
+    barrier(g);
+    for_rows(g, inner, chunks, chunks, number, upper);
+  }
+}
+
+// the sum of p'q over all chunks, as cloth_chunks_sum() has it, on thread 0
+__device__ cloth_real sum_of_chunks(const cloth_real *number, int chunks, cloth_real *shared)
+{
+  int l = (int)threadIdx.x, lane = l % CLOTH_WARP, warp = l / CLOTH_WARP;
+  cloth_real sum = 0;
+#pragma unroll 16
+  for (int c = l; c < chunks; c += CLOTH_PCG_LANES) sum += number[c];
+  for (int width = WARPS / 2; width > 0; width /= 2) {
+    __syncthreads();
+    if (warp >= width && warp < 2 * width) shared[(warp - width) * CLOTH_WARP + lane] = sum;
+    __syncthreads();
+    if (warp < width) sum += shared[warp * CLOTH_WARP + lane];
+  }
+  return warp == 0 ? cloth_warp_sum(sum) : sum;
+}
+
+__device__ void alpha_of(const grid &g, cloth_real *lanes)
+{
+  cloth_real pq = sum_of_chunks(g.a.peer[g.a.me].pq, g.a.solve.v.chunks, lanes);
+  if (threadIdx.x == 0) cloth_pcg_alpha_set(g.a.solve.v.scalar, pq);
+}
+
+// The sums r'z and r'r over all entries of `partial`, as cloth_partial_sum() has them, in two
+// steps, because the last entries come later. First what each lane adds of entries [0, end), by one
+// block.
+__device__ void add_lanes(const cloth_pcg_beta_args &b, int end, cloth_real *sums)
+{
+  int l = (int)threadIdx.x;
+  cloth_real rz = 0, rr = 0;
+#pragma unroll 8
+  for (int c = l; c < end; c += CLOTH_PCG_LANES)
+    rz += b.partial[CLOTH_PCG_PARTIALS * c], rr += b.partial[CLOTH_PCG_PARTIALS * c + 1];
+  sums[l] = rz, sums[CLOTH_PCG_LANES + l] = rr;
+}
+
+// Then the rest, by one block; on thread 0.
+__device__ void add_rest(const cloth_pcg_beta_args &b, int begin, const volatile cloth_real *sums,
+                         cloth_real (&sum)[2], cloth_real *shared)
+{
+  int l = (int)threadIdx.x, lane = l % CLOTH_WARP, warp = l / CLOTH_WARP;
+  int c = begin + ((l - begin) % CLOTH_PCG_LANES + CLOTH_PCG_LANES) % CLOTH_PCG_LANES;
+  for (int f = 0; f < 2; f++) sum[f] = sums[f * CLOTH_PCG_LANES + l];
+  for (; c < b.sums; c += CLOTH_PCG_LANES)
+    for (int f = 0; f < 2; f++) sum[f] += b.partial[CLOTH_PCG_PARTIALS * c + f];
+  for (int width = WARPS / 2; width > 0; width /= 2)
+    for (int f = 0; f < 2; f++) {
+      __syncthreads();
+      if (warp >= width && warp < 2 * width) shared[(warp - width) * CLOTH_WARP + lane] = sum[f];
+      __syncthreads();
+      if (warp < width) sum[f] += shared[warp * CLOTH_WARP + lane];
+    }
+  if (warp == 0)
+    for (int f = 0; f < 2; f++) sum[f] = cloth_warp_sum(sum[f]);
+}
+
+// entries of `partial` that are there before the levels beyond the first are corrected
+__device__ int sums_before(const cloth_pcg_solve_args &a)
+{
+  return a.v.chunks + (a.v.hats.nodes > 0 ? cloth_hat_fine_groups(&a.v.hats) : 0);
+}
+
+// by one block; sums [2 x LANES] of add_lanes()
+__device__ void beta_of(const cloth_pcg_solve_args &a, const cloth_real *sums, int start,
+                        cloth_real *lanes)
+{
+  cloth_real two[2];
+  add_rest(a.beta, sums_before(a), sums, two, lanes);
+  cloth_real rz = two[0], rr = two[1];
+  if (a.v.coarse && threadIdx.x < CLOTH_WARP) { // cloth_coarse_rz() by a warp
+    cloth_real sum = 0;
+    for (int k = (int)threadIdx.x; k < 3 * a.v.aggregates; k += CLOTH_COARSE_LANES)
+      sum += a.beta.rest[k] * a.beta.coarse[k];
+    rz += cloth_warp_sum(sum);
+  }
+  if (threadIdx.x > 0) return;
+  cloth_pcg_beta_args beta = a.beta;
+  beta.start = start;
+  cloth_pcg_beta_set(&beta, rz, rr);
+}
+
+// own nodes of the hats' first level, for everybody
+__device__ void correct_finely(const part_args &a, cloth_real *lanes)
+{
+  int node = (int)threadIdx.x / CLOTH_HAT_FINE_LANES;
+  bool sends = threadIdx.x % CLOTH_HAT_FINE_LANES == 0; // what it stored itself
+  for (int i = cloth_hat_share_begin(&a.share) + (int)blockIdx.x; i < cloth_hat_share_end(&a.share);
+       i += (int)gridDim.x) {
+    int c = i * CLOTH_HAT_FINE_GROUP + node;
+    cloth_block_hat_rest(&a.solve.hats, i, lanes);
+    if (sends && c < a.share.end) cloth_hat_node_send(&a, c);
+    if (threadIdx.x == 0) cloth_hat_group_send(&a, i);
+  }
+}
+
+// The first block adds up r'z and r'r while the others restrict r to the aggregates, or correct the
+// hats' other levels; every device does all of it.
+__device__ void restrict_and_sum(const cloth_pcg_solve_args &a, cloth_real *sums, cloth_real *lanes)
+{
+  int helpers = gridDim.x > 1 ? 1 : 0, warp = (int)threadIdx.x / CLOTH_WARP;
+  int first = (int)blockIdx.x - helpers, blocks = (int)gridDim.x - helpers;
+  if (blockIdx.x == 0) add_lanes(a.beta, sums_before(a), sums);
+  if (first < 0) return;
+  const cloth_hats *h = &a.v.hats;
+  for (int i = first; h->nodes > 0 && i < cloth_hat_groups(h); i += blocks)
+    cloth_block_hat_upper(&a.hats, i, lanes);
+  for (int k = first * WARPS + warp; a.v.coarse && k < 3 * a.v.aggregates; k += blocks * WARPS) {
+    int lane = (int)threadIdx.x % CLOTH_WARP;
+    cloth_real sum = cloth_warp_sum(cloth_coarse_rest_lane(&a.rest, k / 3, k % 3, lane));
+    if (lane == 0) a.rest.rest[k] = sum;
+  }
+}
+
+__device__ void correct_coarsely(const cloth_pcg_solve_args &a)
+{
+  int warp = (int)threadIdx.x / CLOTH_WARP, lane = (int)threadIdx.x % CLOTH_WARP;
+  for (int i = (int)blockIdx.x * WARPS + warp; i < 3 * a.v.aggregates;
+       i += (int)gridDim.x * WARPS) {
+    cloth_real sum = cloth_warp_sum(cloth_coarse_lane(&a.coarse, i, lane));
+    if (lane == 0) a.coarse.coarse[i] = *a.coarse.usable > 0 ? sum : 0;
+  }
+}
+
+__device__ void directions(const part_args &a)
+{
+  const cloth_pcg_vectors &v = a.solve.v;
+  cloth_real beta = v.scalar[CLOTH_PCG_BETA];
+  int stride = (int)(gridDim.x * blockDim.x);
+  for (int row = (int)(blockIdx.x * blockDim.x + threadIdx.x); row < v.count; row += stride) {
+    int k = v.first + row;
+    cloth_pcg_direction_row(k, &v, beta, cloth_pcg_coarse_of(k, &v));
+    if (cloth_chunk_readers(&a, row / CLOTH_CHUNK)) cloth_direction_send(&a, row);
+  }
+}
+
+// After r, z and their sums: coarse correction, beta, direction. Is there more to do?
+__device__ bool turn(grid &g, int k, cloth_real *sums, cloth_real *lanes)
+{
+  const cloth_pcg_solve_args &a = g.a.solve;
+  bool hats = a.v.hats.nodes > 0;
+  int stride = (int)(gridDim.x * blockDim.x);
+  if (hats) {
+    if (k > 0) barrier(g);
+    correct_finely(g.a, lanes);
+  }
+  barrier(g, true, [&] {
+    signal(g, cloth_residuals_signal(k));
+    await(g, cloth_residuals_signal(k));
+  });
+  restrict_and_sum(a, sums, lanes);
+  if (a.v.coarse) {
+    barrier(g);
+    correct_coarsely(a);
+  }
+  barrier(g, false, [&] { beta_of(a, sums, k == 0, lanes); });
+  if (*static_cast<volatile cloth_real *>(a.v.scalar + CLOTH_PCG_DONE) > 0) return false;
+  if (k == a.iterations_max || is_lost(g)) return false;
+  for (int c = (int)(blockIdx.x * blockDim.x + threadIdx.x); hats && c < a.v.hats.fine; c += stride)
+    if (cloth_hat_is_mine(&g.a, c)) cloth_hat_spread_node(c, &a.v.hats);
+  if (hats) barrier(g);
+  directions(g.a);
+  barrier(g, true, [&] { signal(g, cloth_directions_signal(k)); });
+  return true;
+}
+
+// r of the first residual to those whose nodes sum over it
+__device__ void start_nodes(grid &g)
+{
+  int stride = (int)(gridDim.x * blockDim.x);
+  barrier(g);
+  for (int row = (int)(blockIdx.x * blockDim.x + threadIdx.x); row < g.a.solve.v.count;
+       row += stride)
+    cloth_hat_row_send(&g.a, row, 1);
+  barrier(g, true, [&] {
+    signal(g, CLOTH_START_SIGNAL);
+    await(g, CLOTH_START_SIGNAL);
+  });
+}
+
+__device__ void iterate(grid &g, cloth_real *sums, cloth_real *upper, cloth_real *lanes)
+{
+  const part_args &a = g.a;
+  const cloth_pcg_vectors &v = a.solve.v;
+  int thread = (int)(blockIdx.x * blockDim.x + threadIdx.x), stride = (int)(gridDim.x * blockDim.x);
+  for_levels(a, upper, [&](int i) { return cloth_pcg_start_row(i, &v); });
+  if (v.hats.nodes > 0) start_nodes(g);
+  for (int k = 0; turn(g, k, sums, lanes); k++) {
+    product(g, cloth_directions_signal(k), upper);
+    barrier(g, true, [&] {
+      signal(g, cloth_products_signal(k));
+      await(g, cloth_products_signal(k));
+      alpha_of(g, lanes);
+    });
+    if (*static_cast<volatile cloth_real *>(v.scalar + CLOTH_PCG_DONE) > 0) return;
+    cloth_real alpha = v.scalar[CLOTH_PCG_ALPHA];
+    for_levels(a, upper, [&](int i) { return cloth_pcg_update_row(i, &v, alpha); });
+    for (int i = thread; i < a.share.other_count; i += stride) cloth_hat_row_update(&a, i, alpha);
+  }
+}
+
+__global__ void __launch_bounds__(THREADS, RESIDENT)
+    part_kernel(const __grid_constant__ part_args a, cloth_real *sums)
+{
+  __shared__ cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_PCG_LANES / 2];
+  int *flag = a.peer[a.me].flag, *own = flag + CLOTH_PARTS_MAX * CLOTH_FLAG_STRIDE;
+  grid g = {
+      a,        flag, reinterpret_cast<unsigned *>(own), reinterpret_cast<unsigned *>(own + 8),
+      own + 16, 0};
+  iterate(g, sums, upper, lanes);
+  if (is_lost(g) && threadIdx.x == 0) a.solve.v.scalar[CLOTH_PCG_LOST] = 1;
+}
+
+cloth_status prepare(cloth_device *d, void **sums, cloth_error *err)
+{
+  CUDA_TRY(err, cudaSetDevice(d->index));
+  if (d->part_blocks == 0) { // also loads the kernel, which must not happen while others wait
+    int each = 0;
+    CUDA_TRY(err, cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, part_kernel, THREADS, 0));
+    d->part_blocks = each * d->multiprocessors;
+  }
+  return cloth_cuda_scratch(d, 2 * CLOTH_PCG_LANES * sizeof(cloth_real), sums, err);
+}
+
+int blocks_for(const cloth_device *d, const part_args *a)
+{
+  int most = a->solve.v.count > a->solve.contacts ? a->solve.v.count : a->solve.contacts;
+  int wanted = (most + THREADS - 1) / THREADS;
+  if (wanted < 1) wanted = 1;
+  return wanted < d->part_blocks ? wanted : d->part_blocks;
+}
+
+} // namespace
+
+bool cloth_cuda_joined(int parts, cloth_device *const *device)
+{
+  if (parts > CLOTH_PARTS_MAX) return false;
+  bool joined = true;
+  for (int i = 0; i < parts; i++)
+    for (int j = 0; j < parts; j++) {
+      int can = 0;
+      if (i == j) continue;
+      if (device[i]->index == device[j]->index || // two kernels that wait for each other on one
+          cudaDeviceCanAccessPeer(&can, device[i]->index, device[j]->index) != cudaSuccess)
+        joined = false;
+      joined = joined && can;
+    }
+  cudaGetLastError();
+  return joined;
+}
+
+cloth_status cloth_cuda_solve_parts(int parts, cloth_device *const *device,
+                                    const cloth_pcg_part_args *args, cloth_error *err)
+{
+  void *sums[CLOTH_PARTS_MAX];
+  for (int i = 0; i < parts; i++) CLOTH_TRY(prepare(device[i], &sums[i], err));
+  for (int i = 0; i < parts; i++) {
+    CUDA_TRY(err, cudaSetDevice(device[i]->index));
+    void *parameters[] = {const_cast<part_args *>(&args[i]), &sums[i]};
+    CUDA_TRY(err, cudaLaunchCooperativeKernel(
+                      part_kernel, dim3((unsigned)blocks_for(device[i], &args[i])), dim3(THREADS),
+                      parameters, 0, device[i]->stream[CLOTH_COMPUTE]));
+  }
+  return CLOTH_OK;
+}

@@ -412,8 +412,6 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     return cloth_cuda_bend;
   case CLOTH_KERNEL_pair_share:
     return cloth_cuda_pair_share;
-  case CLOTH_KERNEL_spring_step:
-    return cloth_cuda_spring_step;
   default:
     return nullptr;
   }

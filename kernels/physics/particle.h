@@ -55,29 +55,18 @@ CLOTH_FN cloth_v3 cloth_particle_force(const cloth_particles *p, int i, int j, c
   return cloth_v3_add_scaled(f, slip > 0 ? -rub / slip : 0, w);
 }
 
-/// Who may meet the particle of a row.
-CLOTH_FN uint32_t cloth_particle_count(const cloth_particles *p, int row)
-{
-  return p->listed ? p->listed[row] : (uint32_t)p->count;
-}
-
-/// Force [N] of the e-th of them on particle i, at xi [m].
-CLOTH_FN cloth_v3 cloth_particle_entry(const cloth_particles *p, int row, uint32_t e, int i,
-                                       cloth_v3 xi, const cloth_real *x, const cloth_real *v,
-                                       int *touch)
-{
-  int j = p->listed ? (int)p->candidate[(uint64_t)row * p->room + e] : (int)e;
-  if (j == i) return cloth_v3_make(0, 0, 0);
-  return cloth_particle_force(p, i, j, cloth_v3_sub(xi, cloth_v3_load(x, j)), v, touch);
-}
-
 /// Force [N] of all that touch particle i; row: its row of candidates.
 CLOTH_FN cloth_v3 cloth_particle_sum(const cloth_particles *p, int row, int i, const cloth_real *x,
                                      const cloth_real *v, int *touch)
 {
   cloth_v3 xi = cloth_v3_load(x, i), f = cloth_v3_make(0, 0, 0);
-  uint32_t end = cloth_particle_count(p, row);
-  for (uint32_t e = 0; e < end; e++)
-    f = cloth_v3_add(f, cloth_particle_entry(p, row, e, i, xi, x, v, touch));
+  const uint32_t *list = p->listed ? p->candidate + (uint64_t)row * p->room : 0;
+  uint32_t end = p->listed ? p->listed[row] : (uint32_t)p->count;
+  for (uint32_t e = 0; e < end; e++) {
+    int j = p->listed ? (int)list[e] : (int)e;
+    if (j == i) continue;
+    f = cloth_v3_add(
+        f, cloth_particle_force(p, i, j, cloth_v3_sub(xi, cloth_v3_load(x, j)), v, touch));
+  }
   return f;
 }

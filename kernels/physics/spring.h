@@ -26,21 +26,16 @@ CLOTH_FN cloth_v3 cloth_spring_force(cloth_v3 d, cloth_v3 w, const cloth_real *l
   return cloth_v3_scale(law[1] * (l - law[0]) + law[2] * cloth_v3_dot(w, n), n);
 }
 
-/// Force [N] of entry e on the particle at xi [m] that moves at vi [m/s].
-CLOTH_FN cloth_v3 cloth_spring_entry(const cloth_spring_rows *r, uint32_t e, cloth_v3 xi,
-                                     cloth_v3 vi, const cloth_real *x, const cloth_real *v)
-{
-  int j = r->to[e];
-  return cloth_spring_force(cloth_v3_sub(cloth_v3_load(x, j), xi),
-                            cloth_v3_sub(cloth_v3_load(v, j), vi), r->law + CLOTH_SPRING_LAW * e);
-}
-
 /// Force [N] of all springs of a row on its particle i.
 CLOTH_FN cloth_v3 cloth_spring_sum(const cloth_spring_rows *r, int row, int i, const cloth_real *x,
                                    const cloth_real *v)
 {
   cloth_v3 xi = cloth_v3_load(x, i), vi = cloth_v3_load(v, i), f = cloth_v3_make(0, 0, 0);
-  for (uint32_t e = r->first[row]; e < r->first[row + 1]; e++)
-    f = cloth_v3_add(f, cloth_spring_entry(r, e, xi, vi, x, v));
+  for (uint32_t e = r->first[row]; e < r->first[row + 1]; e++) {
+    int j = r->to[e];
+    f = cloth_v3_add(f, cloth_spring_force(cloth_v3_sub(cloth_v3_load(x, j), xi),
+                                           cloth_v3_sub(cloth_v3_load(v, j), vi),
+                                           r->law + CLOTH_SPRING_LAW * e));
+  }
   return f;
 }

@@ -51,28 +51,21 @@ typedef struct cloth_spring_step_args {
   uint32_t *touch; // [n x 2] contacts with particles, with bodies, written; NULL: not wanted
 } cloth_spring_step_args;
 
-// drag of one of the triangles around a particle [N]
-CLOTH_FN cloth_v3 cloth_spring_air_entry(const cloth_spring_air *a, int row, uint32_t e,
-                                         const cloth_real *x, const cloth_real *v)
-{
-  const int *t = a->triangle + 3 * e;
-  cloth_v3 wind = cloth_v3_make(a->wind[0], a->wind[1], a->wind[2]);
-  cloth_v3 sum = cloth_v3_add(cloth_v3_add(cloth_v3_load(v, t[0]), cloth_v3_load(v, t[1])),
-                              cloth_v3_load(v, t[2]));
-  cloth_v3 u = cloth_v3_sub(cloth_v3_scale((cloth_real)1 / 3, sum), wind);
-  cloth_drag_face face =
-      cloth_drag_face_make(cloth_v3_load(x, t[0]), cloth_v3_load(x, t[1]), cloth_v3_load(x, t[2]),
-                           u, a->half_density, a->drag + 2 * row);
-  return cloth_drag_face_force(&face);
-}
-
-// of all of them
+// drag of the triangles around a particle [N]
 CLOTH_FN cloth_v3 cloth_spring_air_sum(const cloth_spring_air *a, int row, const cloth_real *x,
                                        const cloth_real *v)
 {
-  cloth_v3 f = cloth_v3_make(0, 0, 0);
-  for (uint32_t e = a->first[row]; e < a->first[row + 1]; e++)
-    f = cloth_v3_add(f, cloth_spring_air_entry(a, row, e, x, v));
+  cloth_v3 f = cloth_v3_make(0, 0, 0), wind = cloth_v3_make(a->wind[0], a->wind[1], a->wind[2]);
+  for (uint32_t e = a->first[row]; e < a->first[row + 1]; e++) {
+    const int *t = a->triangle + 3 * e;
+    cloth_v3 sum = cloth_v3_add(cloth_v3_add(cloth_v3_load(v, t[0]), cloth_v3_load(v, t[1])),
+                                cloth_v3_load(v, t[2]));
+    cloth_v3 u = cloth_v3_sub(cloth_v3_scale((cloth_real)1 / 3, sum), wind);
+    cloth_drag_face face =
+        cloth_drag_face_make(cloth_v3_load(x, t[0]), cloth_v3_load(x, t[1]), cloth_v3_load(x, t[2]),
+                             u, a->half_density, a->drag + 2 * row);
+    f = cloth_v3_add(f, cloth_drag_face_force(&face));
+  }
   return f;
 }
 
@@ -86,18 +79,16 @@ CLOTH_FN void cloth_spring_watch(const cloth_spring_step_args *a, int i)
   if (!(4 * far_sq <= most_sq)) cloth_atomic_add(a->strayed + 1, 1);
 }
 
-CLOTH_FN cloth_v3 cloth_spring_weight(const cloth_spring_step_args *a, int i)
+CLOTH_FN void cloth_spring_step(int row, const cloth_spring_step_args *a)
 {
-  return cloth_v3_scale(a->mass[i], cloth_v3_make(a->gravity[0], a->gravity[1], a->gravity[2]));
-}
-
-// f: weight, springs, air and particles [N]; with_particles: how many it touches
-CLOTH_FN void cloth_spring_move(const cloth_spring_step_args *a, int i, cloth_v3 f,
-                                int with_particles)
-{
-  int with_bodies = 0;
+  int i = a->first + row, with_particles = 0, with_bodies = 0;
   cloth_real h = a->h, m = a->mass[i];
   cloth_v3 x = cloth_v3_load(a->x, i), v = cloth_v3_load(a->v, i);
+  cloth_v3 f = cloth_v3_scale(m, cloth_v3_make(a->gravity[0], a->gravity[1], a->gravity[2]));
+  if (a->springs.first) f = cloth_v3_add(f, cloth_spring_sum(&a->springs, row, i, a->x, a->v));
+  if (a->air.first) f = cloth_v3_add(f, cloth_spring_air_sum(&a->air, row, a->x, a->v));
+  if (a->particles.count > 0)
+    f = cloth_v3_add(f, cloth_particle_sum(&a->particles, row, i, a->x, a->v, &with_particles));
   if (a->x_ref) cloth_spring_watch(a, i);
 
   int slot = a->holds.slot ? a->holds.slot[i] : -1;
@@ -124,15 +115,4 @@ CLOTH_FN void cloth_spring_move(const cloth_spring_step_args *a, int i, cloth_v3
   cloth_v3_store(a->v_next, i, v_end);
   if (a->touch)
     a->touch[2 * i] = (uint32_t)with_particles, a->touch[2 * i + 1] = (uint32_t)with_bodies;
-}
-
-CLOTH_FN void cloth_spring_step(int row, const cloth_spring_step_args *a)
-{
-  int i = a->first + row, touch = 0;
-  cloth_v3 f = cloth_spring_weight(a, i);
-  if (a->springs.first) f = cloth_v3_add(f, cloth_spring_sum(&a->springs, row, i, a->x, a->v));
-  if (a->air.first) f = cloth_v3_add(f, cloth_spring_air_sum(&a->air, row, a->x, a->v));
-  if (a->particles.count > 0)
-    f = cloth_v3_add(f, cloth_particle_sum(&a->particles, row, i, a->x, a->v, &touch));
-  cloth_spring_move(a, i, f, touch);
 }

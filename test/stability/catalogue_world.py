@@ -55,15 +55,22 @@ add(
                   [ball(0.08, (1000, 0, 0.1)), dict(floor(), pose={'position': [1000, 0, 0]})]),
                  ('hanging', hung(at=(707, 707, 0.2)), []))
          ])
+add('solver_starved_stiff',
+    'five iterations of the linear solver for cloth of 1e6 N/m, of which they see nothing',
+    'the report counts the solves that gave up',
+    DRAPE, [
+        Case('stiff',
+             drape({'stretch_warp': 1e6, 'stretch_weft': 1e6, 'shear': 1e5}, pcg_iterations_max=5, pcg_tolerance=1e-6),
+             1,
+             tells=('pcg_unconverged', )),
+    ],
+    open={'energy_is_bounded': 'in float the cloth stretches by half where it touches itself, is cut into 128 substeps, and gains 1.3 J'},
+    quick=True)
 add('solver_starved',
     'five iterations of the linear solver, one Newton iteration',
     'the report counts the solves that gave up',
     DRAPE, [
         Case('drape', drape(pcg_iterations_max=5, pcg_tolerance=1e-6, newton_iterations_max=1), 1, tells=('pcg_unconverged', )),
-        Case('stiff',
-             drape({'stretch_warp': 1e6, 'stretch_weft': 1e6, 'shear': 1e5}, pcg_iterations_max=5, pcg_tolerance=1e-6),
-             1,
-             tells=('pcg_unconverged', )),
         Case('Jacobi',
              drape(pcg_iterations_max=5, pcg_tolerance=1e-6, preconditioner='block_jacobi'),
              1,

@@ -17,7 +17,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 
@@ -43,19 +42,12 @@ static bool is_far_from_linear(const cloth_sim *sim)
   return sim->iteration > 0 && is_rough(sim, sim->correction);
 }
 
-static double now_ms(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
 // The time of a stage: that of the host, or with `profile` that of the first part's device, between
 // events. Without it the host runs ahead of a GPU, and a stage is charged with what it waits for.
 static cloth_status stage_begin(cloth_sim *sim, double *start, cloth_error *err)
 {
   const cloth_backend *be = sim->backend;
-  *start = now_ms();
+  *start = cloth_now_ms();
   if (!sim->params.profile || be->elapsed == NULL) return CLOTH_OK;
   return be->record(sim->part[0].device, CLOTH_COMPUTE, sim->part[0].stage_begin, err);
 }
@@ -64,13 +56,12 @@ static cloth_status stage_end(cloth_sim *sim, cloth_stage stage, double start, c
 {
   const cloth_backend *be = sim->backend;
   cloth_part *p = &sim->part[0];
-  double ms = now_ms() - start;
+  double ms = cloth_now_ms() - start;
   if (sim->params.profile && be->elapsed != NULL) {
     CLOTH_TRY(be->record(p->device, CLOTH_COMPUTE, p->stage_end, err));
     CLOTH_TRY(be->elapsed(p->stage_begin, p->stage_end, &ms, err));
   }
-  sim->report->ms[stage] += ms;
-  sim->report->stages_skipped &= ~((uint64_t)1 << stage);
+  cloth_stage_charge(sim, stage, ms);
   return CLOTH_OK;
 }
 
@@ -421,7 +412,7 @@ static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)
 cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, cloth_error *err)
 {
   cloth_sim *sim = data;
-  double start = now_ms();
+  double start = cloth_now_ms();
   int64_t allocations = sim->allocations, launches = sim->launches, growths = sim->growths;
   cloth_outcome result = OUTCOME_GOOD;
   begin_report(sim, report, h);
@@ -462,6 +453,6 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   report->memory_bytes = sim->bytes;
   for (int i = 0; i < sim->part_count; i++)
     CLOTH_TRY(sim->backend->finish(sim->part[i].device, err));
-  report->wall_ms = now_ms() - start;
+  report->wall_ms = cloth_now_ms() - start;
   return CLOTH_OK;
 }

@@ -13,22 +13,8 @@
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-#include <time.h>
 
 enum { BLOCK_MAX = 128 }; // sub-steps
-
-static double now_ms(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
-static void charge(cloth_sim *sim, cloth_stage stage, double start)
-{
-  sim->report->ms[stage] += now_ms() - start;
-  sim->report->stages_skipped &= ~((uint64_t)1 << stage);
-}
 
 static cloth_spring_frame frame_of(const cloth_sim *sim, double h)
 {
@@ -144,13 +130,13 @@ static cloth_status run_block(cloth_sim *sim, const cloth_spring_frame *f, int b
 
 static cloth_status search(cloth_sim *sim, cloth_error *err)
 {
-  double start = now_ms();
+  double start = cloth_now_ms();
   sim->owner = CLOTH_EFFECT_self_contact;
   sim->report->pair_searches++;
   sim->report->pairs = 0;
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(cloth_spring_search(sim, &sim->part[i], err));
   sim->owner = CLOTH_CORE;
-  charge(sim, CLOTH_STAGE_pairs, start);
+  cloth_stage_charge(sim, CLOTH_STAGE_pairs, cloth_now_ms() - start);
   return CLOTH_OK;
 }
 
@@ -193,19 +179,19 @@ static cloth_status run_all(cloth_sim *sim, cloth_spring_frame *f, cloth_error *
   for (int done = 0; done < f->count;) {
     int most = uses_bins(sim) ? s->block : BLOCK_MAX;
     int end = done + most < f->count ? done + most : f->count;
-    double start = now_ms();
+    double start = cloth_now_ms();
     bool good;
     sim->owner = CLOTH_EFFECT_pins;
     CLOTH_TRY(cloth_spring_aims_write(sim, f, done, end, err));
     sim->owner = CLOTH_EFFECT_body_contact;
     CLOTH_TRY(cloth_spring_poses_write(sim, f, done, end, err));
     sim->owner = CLOTH_CORE;
-    charge(sim, CLOTH_STAGE_predict, start);
+    cloth_stage_charge(sim, CLOTH_STAGE_predict, cloth_now_ms() - start);
     if (uses_bins(sim)) CLOTH_TRY(search(sim, err));
-    start = now_ms();
+    start = cloth_now_ms();
     CLOTH_TRY(run_block(sim, f, done, end, err));
     CLOTH_TRY(judge(sim, end - done, &good, err));
-    charge(sim, CLOTH_STAGE_effects, start);
+    cloth_stage_charge(sim, CLOTH_STAGE_effects, cloth_now_ms() - start);
     if (!good) continue;
     CLOTH_TRY(cloth_spring_impulses_add(sim, err));
     done = end;
@@ -264,8 +250,8 @@ cloth_status cloth_springs_advance(cloth_sim *sim, double h, bool *good, cloth_e
   cloth_spring_wrenches_scale(sim, 0);
   CLOTH_TRY(run_all(sim, &f, err));
   cloth_spring_wrenches_scale(sim, 1 / h);
-  double start = now_ms();
+  double start = cloth_now_ms();
   CLOTH_TRY(commit(sim, h, good, err));
-  charge(sim, CLOTH_STAGE_commit, start);
+  cloth_stage_charge(sim, CLOTH_STAGE_commit, cloth_now_ms() - start);
   return CLOTH_OK;
 }

@@ -6,8 +6,6 @@
 #include "state/commit.h"
 
 #include <math.h>
-#include <string.h>
-#include <time.h>
 
 bool cloth_flies(const cloth_sim *sim)
 {
@@ -20,19 +18,6 @@ cloth_status cloth_flight_take(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
   return cloth_take(sim, p, "commit", bytes, &p->commit, err);
-}
-
-static double now_ms(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
-static void charge(cloth_sim *sim, cloth_stage stage, double start)
-{
-  sim->report->ms[stage] += now_ms() - start;
-  sim->report->stages_skipped &= ~((uint64_t)1 << stage);
 }
 
 static void swap(cloth_real **a, cloth_real **b)
@@ -89,9 +74,8 @@ static cloth_status measure_holds(cloth_sim *sim, cloth_error *err)
                                sizeof(cloth_real) * 3 * (size_t)sim->held_count, err));
   for (int h = 0; h < sim->hold_count; h++) {
     cloth_hold_state *hold = &sim->hold[h];
-    memset(hold->force, 0, sizeof hold->force), memset(hold->torque, 0, sizeof hold->torque);
-    if (!hold->alive) continue;
-    cloth_pose frame = cloth_hold_frame(sim, hold, 1);
+    cloth_pose frame;
+    if (!cloth_hold_clear_force(sim, hold, &frame)) continue;
     for (int i = 0; i < hold->count; i++) {
       double x[3], f[3];
       cloth_pose_point(&frame, hold->local + 3 * i, x);
@@ -132,13 +116,13 @@ cloth_status cloth_flight_advance(cloth_sim *sim, double h, bool *good, cloth_er
 {
   int parts = sim->params.substeps;
   for (int s = 0; s < parts; s++) {
-    double start = now_ms();
+    double start = cloth_now_ms();
     sim->h = h / parts;
     sim->time_t0 = sim->time + s * sim->h;
     CLOTH_TRY(aim_holds(sim, (s + 1.0) / parts, err));
     CLOTH_TRY(fly(sim, err));
-    charge(sim, CLOTH_STAGE_predict, start);
-    start = now_ms();
+    cloth_stage_charge(sim, CLOTH_STAGE_predict, cloth_now_ms() - start);
+    start = cloth_now_ms();
     CLOTH_TRY(measure_holds(sim, err));
     CLOTH_TRY(judge(sim, good, err));
     for (int i = 0; i < sim->part_count; i++) {
@@ -148,7 +132,7 @@ cloth_status cloth_flight_advance(cloth_sim *sim, double h, bool *good, cloth_er
       if (exchange) swap(&p->x_t0, &p->x_saved), swap(&p->v, &p->v_saved);
       if (*good) swap(&p->x_t0, &p->x), swap(&p->v, &p->v_next);
     }
-    charge(sim, CLOTH_STAGE_commit, start);
+    cloth_stage_charge(sim, CLOTH_STAGE_commit, cloth_now_ms() - start);
     if (!*good) break;
   }
   return CLOTH_OK;

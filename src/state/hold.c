@@ -169,6 +169,13 @@ static cloth_status measure_held(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
+bool cloth_hold_clear_force(const cloth_sim *sim, cloth_hold_state *hold, cloth_pose *frame)
+{
+  memset(hold->force, 0, sizeof hold->force), memset(hold->torque, 0, sizeof hold->torque);
+  if (hold->alive) *frame = cloth_hold_frame(sim, hold, 1);
+  return hold->alive;
+}
+
 void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],
                           const double f[3])
 {
@@ -187,9 +194,8 @@ cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err)
   CLOTH_TRY(measure_held(sim, err));
   for (int h = 0; h < sim->hold_count; h++) {
     cloth_hold_state *hold = &sim->hold[h];
-    memset(hold->force, 0, sizeof hold->force), memset(hold->torque, 0, sizeof hold->torque);
-    if (!hold->alive) continue;
-    cloth_pose frame = cloth_hold_frame(sim, hold, 1);
+    cloth_pose frame;
+    if (!cloth_hold_clear_force(sim, hold, &frame)) continue;
     for (int i = 0; i < hold->count; i++) {
       const cloth_real *x = sim->host + 6 * (hold->first + i), *r = x + 3;
       double f[3], at[3], aim[3];

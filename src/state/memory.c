@@ -110,11 +110,17 @@ void cloth_drop(cloth_sim *sim, cloth_part *part, int owner)
     if (part->block[i].owner == owner) forget(sim, part, i);
 }
 
-static double now_ms(void)
+double cloth_now_ms(void)
 {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
+}
+
+void cloth_stage_charge(cloth_sim *sim, cloth_stage stage, double ms)
+{
+  sim->report->ms[stage] += ms;
+  sim->report->stages_skipped &= ~((uint64_t)1 << stage);
 }
 
 // a launch of an effect: the host's clock where it runs at once, the device's where that is asked
@@ -123,12 +129,12 @@ static cloth_status launch_timed(cloth_sim *sim, cloth_part *part, cloth_kernel 
                                  const void *args, cloth_error *err)
 {
   const cloth_backend *be = sim->backend;
-  double *sum = &sim->effect_ms[sim->owner], start = now_ms(), ms = 0;
+  double *sum = &sim->effect_ms[sim->owner], start = cloth_now_ms(), ms = 0;
   bool events = be->elapsed != NULL, asked = events && sim->params.profile > 1;
   if (asked) CLOTH_TRY(be->record(part->device, CLOTH_COMPUTE, part->launch_begin, err));
   CLOTH_TRY(be->launch(part->device, k, n, args, err));
   if (!events) {
-    *sum += now_ms() - start;
+    *sum += cloth_now_ms() - start;
   } else if (asked) {
     CLOTH_TRY(be->record(part->device, CLOTH_COMPUTE, part->launch_end, err));
     CLOTH_TRY(be->elapsed(part->launch_begin, part->launch_end, &ms, err));

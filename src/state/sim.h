@@ -353,6 +353,12 @@ static inline const cloth_real *cloth_step_velocity(const cloth_sim *sim, const 
 /// Host staging of at least this many cloth_real.
 cloth_status cloth_staging(cloth_sim *sim, size_t reals, cloth_error *err);
 
+/// The host's clock [ms].
+double cloth_now_ms(void);
+
+/// A stage ran, for so many ms: into the report.
+void cloth_stage_charge(cloth_sim *sim, cloth_stage stage, double ms);
+
 /// Rows of chunks that a part owns.
 static inline int cloth_part_chunks(const cloth_part *p) { return (p->v1 - p->v0 + 63) / 64; }
 
@@ -471,6 +477,8 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
+/// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's end.
+bool cloth_hold_clear_force(const cloth_sim *sim, cloth_hold_state *hold, cloth_pose *frame);
 /// f [N] that the hold exerts at x [m] adds to its wrench about its frame.
 void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],
                           const double f[3]);

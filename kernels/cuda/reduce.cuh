@@ -4,6 +4,7 @@
 #include "chunk.h"
 #include "hat_rest_upper.h"
 #include "pcg.h"
+#include "pcg_beta.h"
 
 enum { CLOTH_WARP = 32, CLOTH_CHUNK_SHARED = CLOTH_PCG_PARTIALS * CLOTH_WARP };
 
@@ -13,6 +14,15 @@ static __device__ __forceinline__ cloth_real cloth_warp_sum(cloth_real v)
   for (int width = CLOTH_WARP / 2; width > 0; width /= 2)
     v += __shfl_down_sync(0xffffffffu, v, (unsigned)width);
   return v;
+}
+
+/// cloth_coarse_rz() by a warp.
+static __device__ __forceinline__ cloth_real cloth_warp_coarse_rz(const cloth_pcg_beta_args &a)
+{
+  cloth_real sum = 0;
+  for (int k = (int)threadIdx.x; k < 3 * a.aggregates; k += CLOTH_COARSE_LANES)
+    sum += a.rest[k] * a.coarse[k];
+  return cloth_warp_sum(sum);
 }
 
 /// The larger of 32 lanes, on lane 0; NaN if any is.

@@ -286,12 +286,7 @@ __device__ void beta_of(const cloth_pcg_solve_args &a, const cloth_real *sums, i
   cloth_real two[2];
   add_rest(a.beta, sums_before(a), sums, two, lanes);
   cloth_real rz = two[0], rr = two[1];
-  if (a.v.coarse && threadIdx.x < CLOTH_WARP) { // cloth_coarse_rz() by a warp
-    cloth_real sum = 0;
-    for (int k = (int)threadIdx.x; k < 3 * a.v.aggregates; k += CLOTH_COARSE_LANES)
-      sum += a.beta.rest[k] * a.beta.coarse[k];
-    rz += cloth_warp_sum(sum);
-  }
+  if (a.v.coarse && threadIdx.x < CLOTH_WARP) rz += cloth_warp_coarse_rz(a.beta);
   if (threadIdx.x > 0) return;
   cloth_pcg_beta_args beta = a.beta;
   beta.start = start;

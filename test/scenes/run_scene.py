@@ -2,11 +2,13 @@
 """Runs one hard scene of config/scenes, writes every step and judges it from outside.
 
     run_scene.py CLOTH SCENE [--check PROGRAM] [--precision float|double ...] [--steps N] [--keep DIR] [--anyway]
+                             [--full [--backend NAME] [--limit S] [--every N]]
 
 CLOTH is the cloth command, SCENE a name of table.py, where the bounds stand. Every written step is
 checked for intersecting triangles by `cloth check`, where the command has it, and by test/check_meshes
 (CGAL; --check). Prints "ok   SENTENCE", "FAIL SENTENCE" or "skip SENTENCE: why", as the C tests do; exit
-code 1 on a failure. A scene that needs what the engine does not have yet is skipped; --anyway runs it.
+code 1 on a failure. A scene that needs what the engine does not have yet is skipped; --anyway runs it. --full takes
+the full size instead of the small one, on any backend; the repetition in parts is left to the small size.
 """
 import argparse
 import csv
@@ -35,18 +37,19 @@ def limit_memory():
 class Run:
     """One run of a scene: its report, row by row, and its folder of meshes."""
 
-    def __init__(self, cloth, scene, precision, steps, folder, more=('--mesh-every', '1')):
+    def __init__(self, cloth, scene, precision, steps, folder, more=('--mesh-every', '1'), full=False, limit=table.TIME_LIMIT):
         self.folder, self.precision = folder, precision
-        command = [cloth, 'run', os.path.join(SCENES, scene.file + '.yaml'), '--variant', scene.variant,
-                   '--precision', precision, '--out', folder, '--hash', '--quiet'] + list(more)
+        variants = [name for name in scene.variant.split(',') if not (full and name == 'small')]
+        command = [cloth, 'run', os.path.join(SCENES, scene.file + '.yaml'), '--precision', precision, '--out', folder,
+                   '--hash', '--quiet'] + (['--variant', ','.join(variants)] if variants else []) + list(more)
         if steps:
             command += ['--steps', str(steps)]
-        self.run(command, table.TIME_LIMIT)
+        self.run(command, limit, None if full else limit_memory)
 
-    def run(self, command, limit):
-        """Runs `cloth run` for at most `limit` s in MEMORY_LIMIT and reads its report."""
+    def run(self, command, limit, before=limit_memory):
+        """Runs `cloth run` for at most `limit` s, by default in MEMORY_LIMIT, and reads its report."""
         try:
-            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=limit, preexec_fn=limit_memory)
+            done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=limit, preexec_fn=before)
             self.code, self.message = done.returncode, done.stderr.strip()
         except subprocess.TimeoutExpired:
             self.code, self.message = -1, 'not done after %g s' % limit
@@ -160,7 +163,7 @@ def momentum_drift(run):
 
 
 def lowest(run):
-    return min(x[2] for name, kind in run.kinds().items() if kind == 'cloth' for x in run.positions(name, len(run.rows)))
+    return min(x[2] for name, kind in run.kinds().items() if kind == 'cloth' for x in run.positions(name, run.written()[-1]))
 
 
 # ---- judging ---------------------------------------------------------------------------------------------
@@ -249,12 +252,13 @@ def figures(run):
 
 def run_and_judge(arguments, precision, folder):
     scene = table.SCENES[arguments.scene]
-    run = Run(arguments.cloth, scene, precision, arguments.steps, folder)
+    more = ['--mesh-every', str(arguments.every)] + (['--backend', arguments.backend] if arguments.backend else [])
+    run = Run(arguments.cloth, scene, precision, arguments.steps, folder, more, arguments.full, arguments.limit)
     judge = Judge('%s_%s' % (arguments.scene, precision), scene.open)
     judge_report(judge, scene, run)
     if run.rows:
         judge_meshes(judge, scene, run, arguments.cloth, arguments.check)
-        if precision == 'float' and not arguments.steps:
+        if precision == 'float' and not arguments.steps and not arguments.full:
             judge_repetition(judge, scene, run, arguments.cloth, folder + '_again')
         print('     ' + figures(run))
     return judge.failed
@@ -269,6 +273,10 @@ def main():
     parser.add_argument('--steps', type=int, default=0, help='default: the scene\'s duration')
     parser.add_argument('--keep', default='', metavar='DIR', help='leave report and meshes in DIR/double, DIR/float')
     parser.add_argument('--anyway', action='store_true', help='run it though the engine lacks what it needs')
+    parser.add_argument('--full', action='store_true', help='the full size instead of the small one')
+    parser.add_argument('--backend', default='', help='with --full: where it runs; default: the scene file\'s')
+    parser.add_argument('--every', type=int, default=1, metavar='N', help='write and check every Nth step')
+    parser.add_argument('--limit', type=float, default=table.TIME_LIMIT, metavar='S', help='a run that takes longer is stopped')
     arguments = parser.parse_args()
     needs = table.SCENES[arguments.scene].needs
     if needs and not arguments.anyway:

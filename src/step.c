@@ -143,10 +143,10 @@ static double span_of(const cloth_box *box)
 static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, cloth_outcome *result,
                                     int *left, bool *met, cloth_error *err)
 {
-  int impacts, n = sim->params.newton_iterations_max;
+  int impacts, first, n = sim->params.newton_iterations_max;
   if (sim->params.contact_detection == CLOTH_DISCRETE) return cloth_contact_totals(sim, err);
   STAGE(ccd, cloth_ccd_detect(sim, &impacts, err)); // ccd/ccd.c
-  *met = impacts > 0;
+  *met = impacts > 0, first = impacts;
   if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
     STAGE(contact, cloth_contact_add_impacts(sim, err));
@@ -159,9 +159,10 @@ static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, clot
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
   }
   sim->crowd = cloth_impacts_of_cloth(sim) / cloth_crowded(sim);
-  *result = sim->crowd > 1            ? OUTCOME_CROWDED
-            : is_far_from_linear(sim) ? OUTCOME_ROUGH
-                                      : OUTCOME_GOOD;
+  sim->helpless = 2 * impacts > first && sim->params.contact_rounds_max > 0;
+  *result = sim->crowd > 1                              ? OUTCOME_CROWDED
+            : is_far_from_linear(sim) && !sim->helpless ? OUTCOME_ROUGH
+                                                        : OUTCOME_GOOD;
   if (cloth_may_cut(sim, c, *result)) return CLOTH_OK; // no work for what will be thrown away
   *result = OUTCOME_GOOD;
   STAGE(ccd, cloth_ccd_resolve(sim, left, err)); // ccd/zones.c, ccd/failsafe.c
@@ -175,7 +176,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
                                   cloth_outcome *result, cloth_error *err)
 {
   int left = 0;
-  sim->crowd = 0;
+  sim->crowd = 0, sim->helpless = false;
   *result = OUTCOME_GOOD;
   bool touch = sim->active[CLOTH_EFFECT_self_contact], met = false;
   CLOTH_TRY(cloth_bdf2_begin(sim, err)); // state/bdf2.c       of order 2, or backward Euler

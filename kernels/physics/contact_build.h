@@ -3,7 +3,10 @@
 // pair that came to an impact in spite of that is measured where it did, and that plane takes the
 // place of an earlier one.
 //
-// Stiffness: from mass and step, so that conditioning does not depend on either.
+// Stiffness: from mass and step, so that conditioning does not depend on either. That is enough for
+// what one vertex weighs; behind the first vertex of a falling towel that meets the floor comes all
+// the rest. So a pair that passed in spite of its contact gets a stiffer one in the next system, as
+// the penalty of an augmented Lagrangian grows where the constraint is not met.
 #pragma once
 
 #include "tangle_pull.h"
@@ -12,6 +15,7 @@ typedef struct cloth_contact_build_args {
   cloth_contact_scene scene;
   int count;
   cloth_real stiffness;    // in units of mass / step^2
+  cloth_real stiffer;      // factor for each time that the pair came to an impact
   cloth_real inverse_step; // 1/s
   const uint64_t *contact; // [n] sorted; a pair's latest plane is its last
   const uint32_t *toi;     // [n] 0, or the time of an impact of CLOTH_WHOLE
@@ -23,6 +27,17 @@ typedef struct cloth_contact_build_args {
   cloth_real *k;           // [n] N/m, written
   cloth_real *mu;          // [n] Coulomb coefficient, written
 } cloth_contact_build_args;
+
+#define CLOTH_CONTACT_LEAST (cloth_real)0.5 // of the thickness, that an impact's contact keeps
+
+// The factor of contact i. The planes of a pair stand one after the other, one for each impact.
+CLOTH_FN cloth_real cloth_contact_stiffer(int i, const cloth_contact_build_args *a)
+{
+  cloth_real factor = 1;
+  for (int j = i; j >= 0 && a->contact[j] == a->contact[i]; j--)
+    if (a->toi[j] > 0) factor *= a->stiffer;
+  return factor;
+}
 
 CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
 {
@@ -50,13 +65,20 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
   }
   cloth_v3_store(a->normal, i, g.normal);
   cloth_real t = pulls ? s->thickness : cloth_contact_thickness(s, &g);
-  a->distance[i] = pulls           ? t - s->pull
-                   : a->toi[i] > 0 ? cloth_contact_along(&g, s->x_t0)
-                                   : g.distance;
+  cloth_real d = pulls ? t - s->pull : g.distance;
+  if (a->toi[i] > 0) {
+    d = cloth_contact_along(&g, s->x_t0);
+    // stiff as it is, it stops what meets, and leaves opening a narrow gap to the milder ones
+    cloth_real least = t * CLOTH_CONTACT_LEAST;
+    t = d < least ? least : d < t ? d : t;
+  }
+  a->distance[i] = d;
   a->thickness[i] = t;
 
   int counts = inverse_mass > 0 && !replaced;
-  a->k[i] = counts ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
+  a->k[i] = counts ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass *
+                         cloth_contact_stiffer(i, a)
+                   : 0;
   int body = cloth_contact_body(s, &g);
   a->mu[i] = pulls ? 0 : body >= 0 ? s->body_friction[body] : s->friction;
 }

@@ -150,6 +150,10 @@ double cloth_contact_stiffness(const cloth_sim *sim)
   return sim->params.contact_stiffness * share * share;
 }
 
+// What a contact becomes stiffer by each time that its pair passes in spite of it. Not where cloth
+// intersects: between bodies that leave no room it would be thrown from one to the other.
+#define STIFFER 10
+
 // planes and rows of the pairs in the list, which is put in order
 static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
@@ -160,6 +164,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
   cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
                                 .count = p->contact_count,
                                 .stiffness = (cloth_real)cloth_contact_stiffness(sim),
+                                .stiffer = sim->tangles.known_free ? STIFFER : 1,
                                 .inverse_step = (cloth_real)(1 / sim->h),
                                 .contact = p->contact,
                                 .toi = p->contact_toi,

@@ -298,6 +298,7 @@ struct cloth_sim {
   double correction;     // m, largest correction of the last Newton iteration of this substep
   double error_estimate; // m, of this substep
   double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
+  bool helpless; // stiffer contacts did not even halve the impacts: by the looks of it no room
   int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;
   cloth_blocking blocking;

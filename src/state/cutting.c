@@ -5,8 +5,8 @@
 #include <limits.h>
 #include <math.h>
 
-// A body that leaves no room is not cured by ever smaller steps: where stiffer contacts were no
-// help either, one is enough to tell.
+// A body that leaves no room is not cured by ever smaller steps: where many impacts are left and
+// stiffer contacts were no help either, one is enough to tell.
 enum { IMPACT_HALVINGS = 2, ROUGH_HALVINGS = 3, CROWDED_HALVINGS = 5 };
 
 // As many impacts of cloth with cloth as this, and zones would grind: half the step costs less and
@@ -42,9 +42,10 @@ bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *
 {
   c->crowd = fmax(c->crowd, sim->crowd);
   if (result != OUTCOME_IMPACTS) return cloth_may_cut(sim, c, result);
-  bool cures = sim->impacts_left <= c->left / 2 || !(sim->impacts_left > cloth_crowded(sim));
+  bool many = sim->impacts_left > cloth_crowded(sim);
+  bool cures = sim->impacts_left <= c->left / 2 || !many;
   c->left = sim->impacts_left;
-  int most = sim->helpless ? 1 : IMPACT_HALVINGS;
+  int most = sim->helpless && many ? 1 : IMPACT_HALVINGS;
   return sim->tangles.known_free && cures && c->for_impacts++ < most &&
          c->halvings < sim->params.step_halvings_max;
 }

@@ -31,14 +31,15 @@ typedef struct cloth_assemble_row_args {
   const cloth_real *bend_constant;                            // [n x 4] 1/m: bend_quadratic.h; NULL
   cloth_incidence shape;                                      // 6 corners: bend_shape.h
   const cloth_real *shape_force, *shape_gradient, *shape_weight; // [n x 18], [n x 36], [n x 6]
-  const uint32_t *contact_first;                                 // [rows + 1]; NULL: no contacts
-  const uint32_t *contact_entry;                                 // [entries] 4 contact + corner
-  const cloth_real *contact_weight;                              // [contacts x 4]
-  const cloth_real *contact_force;                               // [contacts x 3] N
-  const cloth_real *contact_tangent;                             // [contacts x 6] N/m
-  cloth_block_rows rows;                                         // written
-  cloth_real *b;                                                 // [vertices x 3] N, written
-  cloth_real *inverse_diagonal;                                  // [vertices x 6] m/N, written
+  const uint32_t *contact_first;     // [2 rows + 1] contact_row.h; NULL: no contacts
+  const uint32_t *contact_entry;     // [entries] 4 contact + corner
+  const int *contact_slot;           // [entries x 4] contact_place.h
+  const cloth_real *contact_weight;  // [contacts x 4]
+  const cloth_real *contact_force;   // [contacts x 3] N
+  const cloth_real *contact_tangent; // [contacts x 6] N/m
+  cloth_block_rows rows;             // written
+  cloth_real *b;                     // [vertices x 3] N, written
+  cloth_real *inverse_diagonal;      // [vertices x 6] m/N, written
 } cloth_assemble_row_args;
 
 CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
@@ -46,12 +47,17 @@ CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_
   for (int n = a->membrane.first[i]; n < a->membrane.first[i + 1]; n++) {
     int e = a->membrane.corner[n] / 3, c = a->membrane.corner[n] % 3;
     const cloth_real *tangent = a->membrane_tangent + 45 * e;
-    *f = cloth_v3_add(*f, cloth_v3_load(a->membrane_force, 3 * e + c));
-    cloth_block_add_sym(&a->rows, i, a->membrane.slot[3 * n + c], cloth_sym3_load(tangent, c));
     int next = (c + 1) % 3, last = (c + 2) % 3; // stored: K(c, c + 1)
-    cloth_block_add(&a->rows, i, a->membrane.slot[3 * n + next], tangent + 18 + 9 * c);
-    cloth_block_add_transposed(&a->rows, i, a->membrane.slot[3 * n + last],
-                               tangent + 18 + 9 * last);
+    int slot[3] = {a->membrane.slot[3 * n + c], a->membrane.slot[3 * n + next],
+                   a->membrane.slot[3 * n + last]};
+    cloth_sym3 own = cloth_sym3_load(tangent, c);
+    cloth_real to_next[9], to_last[9];
+    for (int k = 0; k < 9; k++) to_next[k] = tangent[18 + 9 * c + k];
+    for (int k = 0; k < 9; k++) to_last[k] = tangent[18 + 9 * last + 3 * (k % 3) + k / 3];
+    *f = cloth_v3_add(*f, cloth_v3_load(a->membrane_force, 3 * e + c));
+    cloth_block_add_sym(&a->rows, i, slot[0], own);
+    cloth_block_add(&a->rows, i, slot[1], to_next);
+    cloth_block_add(&a->rows, i, slot[2], to_last);
   }
 }
 
@@ -61,9 +67,11 @@ CLOTH_FN void cloth_add_bend(int i, const cloth_assemble_row_args *a, cloth_v3 *
     int e = a->bend.corner[n] / 4, c = a->bend.corner[n] % 4;
     *f = cloth_v3_add(*f, cloth_v3_load(a->bend_force, 4 * e + c));
     cloth_v3 g = cloth_v3_scale(a->bend_weight[e], cloth_v3_load(a->bend_gradient, 4 * e + c));
+    cloth_v3 other[4];
+    int slot[4];
     for (int k = 0; k < 4; k++)
-      cloth_block_add_outer(&a->rows, i, a->bend.slot[4 * n + k], g,
-                            cloth_v3_load(a->bend_gradient, 4 * e + k));
+      other[k] = cloth_v3_load(a->bend_gradient, 4 * e + k), slot[k] = a->bend.slot[4 * n + k];
+    for (int k = 0; k < 4; k++) cloth_block_add_outer(&a->rows, i, slot[k], g, other[k]);
   }
 }
 
@@ -126,6 +134,61 @@ CLOTH_FN void cloth_add_drag(int i, const cloth_assemble_row_args *a, cloth_v3 *
   }
 }
 
+// a contact with a body as one of its rows sees it
+typedef struct cloth_row_contact {
+  int slot[4];
+  cloth_real own, weight[4];
+  cloth_v3 force;
+  cloth_sym3 tangent;
+} cloth_row_contact;
+
+CLOTH_FN cloth_row_contact cloth_row_contact_load(const cloth_assemble_row_args *a, uint32_t n)
+{
+  cloth_row_contact c;
+  int e = (int)a->contact_entry[n];
+  c.own = a->contact_weight[e];
+  for (int k = 0; k < 4; k++)
+    c.slot[k] = a->contact_slot[4 * n + (uint32_t)k],
+    c.weight[k] = a->contact_weight[e / 4 * 4 + k];
+  c.force = cloth_v3_load(a->contact_force, e / 4);
+  c.tangent = cloth_sym3_load(a->contact_tangent, e / 4);
+  return c;
+}
+
+enum { CLOTH_CONTACTS_AHEAD = 4 }; // loaded before the first of them is added
+
+// Contacts with bodies: their blocks couple vertices that the mesh couples too. At the pole of a
+// ball a row may have a hundred.
+CLOTH_FN void cloth_add_body_contacts(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+{
+  uint32_t end = a->contact_first[2 * i + 1];
+  for (uint32_t n = a->contact_first[2 * i]; n < end; n += CLOTH_CONTACTS_AHEAD) {
+    cloth_row_contact contact[CLOTH_CONTACTS_AHEAD];
+    for (uint32_t k = 0; k < CLOTH_CONTACTS_AHEAD; k++)
+      contact[k] = cloth_row_contact_load(a, n + k < end ? n + k : n);
+    for (uint32_t k = 0; k < CLOTH_CONTACTS_AHEAD && n + k < end; k++) {
+      const cloth_row_contact *c = contact + k;
+      *f = cloth_v3_add_scaled(*f, c->own, c->force);
+      for (int b = 0; b < 4; b++)
+        if (c->slot[b] >= 0)
+          cloth_block_add_sym(&a->rows, i, c->slot[b],
+                              cloth_sym3_scale(c->own * c->weight[b], c->tangent));
+    }
+  }
+}
+
+// contacts of cloth with cloth: of their blocks the preconditioner knows the diagonal alone
+CLOTH_FN void cloth_add_factored_contacts(int i, const cloth_assemble_row_args *a, cloth_v3 *f,
+                                          cloth_sym3 *d)
+{
+  for (uint32_t n = a->contact_first[2 * i + 1]; n < a->contact_first[2 * i + 2]; n++) {
+    int e = (int)a->contact_entry[n];
+    cloth_real w = a->contact_weight[e];
+    *f = cloth_v3_add_scaled(*f, w, cloth_v3_load(a->contact_force, e / 4));
+    *d = cloth_sym3_add(*d, cloth_sym3_scale(w * w, cloth_sym3_load(a->contact_tangent, e / 4)));
+  }
+}
+
 CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
 {
   int v = a->first + i;
@@ -151,17 +214,9 @@ CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
   if (a->shape.first) cloth_add_bend_shape(i, a, &f);
   if (a->drag.first) cloth_add_drag(i, a, &f);
 
+  if (a->contact_first) cloth_add_body_contacts(i, a, &f);
   cloth_sym3 d = cloth_block_diagonal(&a->rows, i);
-  if (a->contact_first)
-    for (uint32_t n = a->contact_first[i]; n < a->contact_first[i + 1]; n++) {
-      uint32_t e = a->contact_entry[n];
-      cloth_real w = a->contact_weight[e];
-      f = cloth_v3_add_scaled(f, w, cloth_v3_load(a->contact_force, (int)(e / 4)));
-      cloth_sym3 t = cloth_sym3_load(a->contact_tangent, (int)(e / 4));
-      w *= w;
-      d.xx += w * t.xx, d.yy += w * t.yy, d.zz += w * t.zz;
-      d.yz += w * t.yz, d.zx += w * t.zx, d.xy += w * t.xy;
-    }
+  if (a->contact_first) cloth_add_factored_contacts(i, a, &f, &d);
   cloth_v3_store(a->b, v, f);
   cloth_sym3_store(a->inverse_diagonal, v, cloth_sym3_inverse(d));
 }

@@ -18,6 +18,7 @@
 #include "vertex_escape.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS };      // places in part->counter
@@ -36,6 +37,30 @@ cloth_status cloth_count_clear(cloth_sim *sim, cloth_part *part, int place, int 
                             err);
 }
 
+// the first near body from body b on, or their number
+static int next_near(const cloth_sim *sim, int b)
+{
+  while (b < sim->def->body_count && !sim->body[b].near) b++;
+  return b;
+}
+
+// A run of neighbouring vertices, or triangles, from body b (-1: the cloth) on: with all near
+// bodies behind it. Returns the body of the next run, or their number.
+static int run_of(const cloth_sim *sim, int b, bool triangles, int *first, int *count)
+{
+  int bodies = sim->def->body_count;
+  *first = 0, *count = triangles ? sim->triangle_count : sim->vertex_count;
+  if (b >= 0) *first = triangles ? sim->body[b].triangle_first : sim->body[b].vertex_first;
+  if (b >= 0) *count = triangles ? sim->body[b].triangle_count : sim->body[b].vertex_count;
+  for (b++; b < bodies; b++) {
+    const cloth_body *next = &sim->body[b];
+    if (!next->near) continue;
+    if ((triangles ? next->triangle_first : next->vertex_first) != *first + *count) break;
+    *count += triangles ? next->triangle_count : next->vertex_count;
+  }
+  return b;
+}
+
 // ---- is a search due? ---------------------------------------------------------------------------
 
 // what a list of pairs may be lost by
@@ -46,12 +71,14 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
 {
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_ESCAPED, 1, err));
   cloth_vertex_escape_args a = {p->v0, p->x_t0, p->x, p->vertex_box, p->counter + COUNT_ESCAPED};
-  if (what & VERTICES) CLOTH_LAUNCH(sim, p, vertex_escape, p->v1 - p->v0, &a, err);
-  bool first = p->index == 0; // vertices of bodies are the same on every part
-  for (int b = 0; b < sim->def->body_count && first && what & VERTICES; b++) {
-    if (!sim->body[b].near) continue;
-    a.first = sim->body[b].vertex_first;
-    CLOTH_LAUNCH(sim, p, vertex_escape, sim->body[b].vertex_count, &a, err);
+  int b = -1, bodies = sim->def->body_count, vertices;
+  if (what & VERTICES && sim->part_count > 1) {
+    CLOTH_LAUNCH(sim, p, vertex_escape, p->v1 - p->v0, &a, err);
+    b = p->index == 0 ? next_near(sim, 0) : bodies; // vertices of bodies are the same on every part
+  }
+  while (what & VERTICES && b < bodies) {
+    b = run_of(sim, b, false, &a.first, &vertices);
+    CLOTH_LAUNCH(sim, p, vertex_escape, vertices, &a, err);
   }
   return what & SQUARES ? cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err) : CLOTH_OK;
 }
@@ -89,9 +116,12 @@ static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, clot
   CLOTH_LAUNCH(sim, p, vertex_box, sim->vertex_count, &v, err);
   for (int b = 0; b < sim->def->body_count; b++) {
     if (!sim->body[b].near) continue;
-    v.v = NULL, v.first = sim->body[b].vertex_first, t.first = sim->body[b].triangle_first;
+    v.v = NULL, v.first = sim->body[b].vertex_first;
     CLOTH_LAUNCH(sim, p, vertex_box, sim->body[b].vertex_count, &v, err);
-    CLOTH_LAUNCH(sim, p, triangle_box, sim->body[b].triangle_count, &t, err);
+  }
+  for (int b = -1, triangles; b < sim->def->body_count;) {
+    b = run_of(sim, b, true, &t.first, &triangles);
+    CLOTH_LAUNCH(sim, p, triangle_box, triangles, &t, err);
   }
   return CLOTH_OK;
 }
@@ -104,6 +134,7 @@ static int count_near_triangles(const cloth_sim *sim)
   return n;
 }
 
+// written only where other bodies are near than the last time
 static cloth_status list_near_triangles(cloth_sim *sim, cloth_part *p, int n, cloth_error *err)
 {
   if (n == 0) return CLOTH_OK;
@@ -112,7 +143,13 @@ static cloth_status list_near_triangles(cloth_sim *sim, cloth_part *p, int n, cl
   for (int b = 0; b < sim->def->body_count; b++)
     for (int t = 0; sim->body[b].near && t < sim->body[b].triangle_count; t++)
       list[k++] = sim->body[b].triangle_first + t;
-  return sim->backend->write(p->device, p->body_triangle, list, sizeof *list * (size_t)n, err);
+  size_t bytes = sizeof *list * (size_t)n;
+  if (n == p->body_listed_count && memcmp(list, p->body_listed, bytes) == 0) return CLOTH_OK;
+  int *listed = realloc(p->body_listed, bytes);
+  if (listed == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%d triangles of bodies", n);
+  memcpy(listed, list, bytes);
+  p->body_listed = listed, p->body_listed_count = n;
+  return sim->backend->write(p->device, p->body_triangle, list, bytes, err);
 }
 
 // cells about as large as a swept triangle's box, times `coarser`; the grid spans the cloth

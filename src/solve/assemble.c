@@ -40,6 +40,7 @@ cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err)
         .shape_weight = p->bend_weight,
         .contact_first = p->contact_count > 0 ? p->contact_first : NULL,
         .contact_entry = p->contact_entry,
+        .contact_slot = p->contact_slot,
         .contact_weight = p->contact_weight,
         .contact_force = p->contact_force,
         .contact_tangent = p->contact_tangent,

@@ -17,6 +17,8 @@ struct cloth_device {
   int solve_blocks;    // of a cooperative launch; 0: not asked yet
   int cluster_blocks;  // of a cluster; 1: there are none, 0: not asked yet
   int part_blocks;     // the same of solve_parts.cu
+  int spring_blocks;   // of a cluster of spring.cu; 0: not asked yet, 1: there are none
+  int spring_threads;  // most of a block there
 };
 
 struct cloth_event {
@@ -50,6 +52,10 @@ cloth_status cloth_cuda_solve(cloth_device *d, const struct cloth_pcg_solve_args
 /// The same for a cloth that is small enough, which `taken` says.
 cloth_status cloth_cuda_solve_small(cloth_device *d, const struct cloth_pcg_solve_args *args,
                                     bool *taken, cloth_error *err);
+cloth_status cloth_cuda_spring_block(cloth_device *d, const struct cloth_spring_block_args *args,
+                                     cloth_error *err);
 bool cloth_cuda_joined(int parts, cloth_device *const *device);
 cloth_status cloth_cuda_solve_parts(int parts, cloth_device *const *device,
                                     const struct cloth_pcg_part_args *args, cloth_error *err);
+void cloth_cuda_range_begin(const char *name);
+void cloth_cuda_range_end(void);

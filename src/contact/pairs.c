@@ -119,7 +119,7 @@ static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, clot
     v.v = NULL, v.first = sim->body[b].vertex_first;
     CLOTH_LAUNCH(sim, p, vertex_box, sim->body[b].vertex_count, &v, err);
   }
-  for (int b = -1, triangles; b < sim->def->body_count;) {
+  for (int b = next_near(sim, 0), triangles; b < sim->def->body_count;) {
     b = run_of(sim, b, true, &t.first, &triangles);
     CLOTH_LAUNCH(sim, p, triangle_box, triangles, &t, err);
   }

@@ -291,6 +291,7 @@ struct cloth_sim {
   int64_t effect_launches[CLOTH_EFFECTS_MAX];
   double effect_ms[CLOTH_EFFECTS_MAX];
   int64_t launches, allocations, growths;
+  int ranges; // open
   uint64_t bytes;
   int owner; // of launches and allocations that happen now
 
@@ -356,6 +357,10 @@ void cloth_drop(cloth_sim *sim, cloth_part *part, int owner);
 cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
                           cloth_error *err);
 
+/// The same for a block of sub-steps, where the backend takes them at once.
+cloth_status cloth_launch_spring_block(cloth_sim *sim, cloth_part *part,
+                                       const cloth_spring_block_args *block, cloth_error *err);
+
 /// Particles and springs instead of a solve (src/spring/)?
 static inline bool cloth_is_mass_spring(const cloth_sim *sim)
 {
@@ -380,6 +385,15 @@ double cloth_now_ms(void);
 
 /// A stage ran, for so many ms: into the report.
 void cloth_stage_charge(cloth_sim *sim, cloth_stage stage, double ms);
+
+/// A stage begins: the clock, and a range for profilers. cloth_stage_close() charges the time
+/// since.
+double cloth_stage_open(cloth_sim *sim, cloth_stage stage);
+void cloth_stage_close(cloth_sim *sim, cloth_stage stage, double start);
+
+/// Ranges for profilers, where the backend has them; all that are open end with the step.
+void cloth_range_begin(cloth_sim *sim, const char *name);
+void cloth_range_end(cloth_sim *sim, int left_open);
 
 /// Rows of chunks that a part owns.
 static inline int cloth_part_chunks(const cloth_part *p) { return (p->v1 - p->v0 + 63) / 64; }

@@ -37,10 +37,30 @@ static cloth_status rest_positions(cloth_scene *s, cloth_error *err)
   return CLOTH_OK;
 }
 
+enum { MASS_SPRING = 1 }; // a choice of the parameter integrator
+
+// the two ends of one trade; and an integrator whose step is its stability's
+static cloth_status check_accuracy(const cloth_params *p, cloth_error *err)
+{
+  if (!(p->accuracy > 0)) return CLOTH_OK;
+  if (p->time_budget != 0)
+    CLOTH_FAIL(
+        err, CLOTH_BAD_ARGUMENT,
+        "accuracy = %g [1] and time_budget = %g [ms] are both set: one of them is to be held",
+        p->accuracy, p->time_budget);
+  if (p->integrator == MASS_SPRING)
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED,
+               "accuracy = %g [1]: integrator mass_spring has no estimate of its error; "
+               "backward_euler and bdf2 have",
+               p->accuracy);
+  return CLOTH_OK;
+}
+
 static cloth_status check(const cloth_def *def, cloth_error *err)
 {
   if (def == NULL) CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "no description");
   CLOTH_TRY(cloth_params_check(&def->params, err));
+  CLOTH_TRY(check_accuracy(&def->params, err));
   if (def->cloth_count == 0)
     CLOTH_FAIL(err, CLOTH_BAD_SCENE, "the scene has no cloth: nothing to simulate");
   for (int c = 0; c < def->cloth_count; c++)
@@ -116,6 +136,8 @@ cloth_status cloth_tune(cloth_scene *s, const cloth_tuning *t, cloth_error *err)
   p.pcg_tolerance = t->pcg_tolerance;
   p.newton_iterations_max = t->newton_iterations;
   p.contact_rounds_max = t->contact_rounds;
+  if (t->pcg_iterations != 0) p.pcg_iterations_max = t->pcg_iterations;
+  if (t->pair_slack != 0) p.pair_slack = t->pair_slack;
   CLOTH_TRY(cloth_params_check(&p, err));
   tune(s, t);
   s->tuned = true;
@@ -128,9 +150,11 @@ static void choose(cloth_scene *s, double allowed)
 {
   const cloth_params *p = &s->def->params;
   if (s->tuned) return;
-  cloth_tuning t = {p->pcg_tolerance, p->newton_iterations_max, p->contact_rounds_max};
+  cloth_tuning t = {p->pcg_tolerance, p->newton_iterations_max, p->contact_rounds_max,
+                    p->pcg_iterations_max, p->pair_slack};
+  if (p->accuracy > 0) t.pcg_tolerance = cloth_accuracy_tolerance(p);
   if (allowed > 0) {
-    t = cloth_budget_choose(&s->budget, p);
+    t = cloth_budget_choose(&s->budget, p, allowed);
     cloth_record_tune(s->recorder, &t); // wall time does not come again, so a replay must know
   }
   tune(s, &t);
@@ -150,9 +174,12 @@ cloth_status cloth_step(cloth_scene *s, double h, cloth_step_report *report, clo
   cloth_status status = CALL(s, step, length, report, err);
   s->tuned = false;
   if (status == CLOTH_OK && allowed > 0) {
-    cloth_budget_measured(&s->budget, allowed, report->wall_ms);
+    cloth_budget_time time = {report->wall_ms, report->ms[CLOTH_STAGE_solve],
+                              report->pcg_iterations, report->newton_iterations};
+    cloth_budget_measured(&s->budget, allowed, &time);
     cloth_budget_report(&s->budget, allowed, &s->chosen, report);
   }
+  if (s->def->params.accuracy > 0) report->chosen_pcg_tolerance = s->chosen.pcg_tolerance;
   report->state_hash = 0;
   if (status == CLOTH_OK && (s->hash_steps || s->recorder != NULL))
     status = CALL(s, hash, &report->state_hash, err);

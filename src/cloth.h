@@ -170,6 +170,8 @@ typedef struct cloth_tuning {
   double pcg_tolerance;
   int newton_iterations; // most linear systems, in [1, 100]
   int contact_rounds;    // most, in [0, 100]
+  int pcg_iterations;    // most of one system, in [1, 100000]; 0: the parameter's
+  double pair_slack;     // m, in (0, 0.1]; 0: the parameter's. Changes costs, not what is held apart
 } cloth_tuning;
 
 /// Use this for the next step instead of the parameters, or of what the budget would choose. Recorded.
@@ -241,6 +243,8 @@ cloth_status cloth_reset(cloth_scene *scene, cloth_error *err);
 /// Write, read the state (time, positions, velocities, bodies, grasps). The file is written beside
 /// and renamed; a file that is truncated, damaged, of another mesh or of another precision is refused
 /// (CLOTH_BAD_STATE) and the running state stays. A run continued from a file gives the same hashes.
+/// path NULL: reads and writes nothing; the part that all processes of `devices: mpi` but the first
+/// have in saving.
 cloth_status cloth_state_save(cloth_scene *scene, const char *path, cloth_error *err);
 cloth_status cloth_state_load(cloth_scene *scene, const char *path, cloth_error *err);
 

@@ -9,6 +9,7 @@
 #include "shift_chunk.h"
 #include "state/bdf2.h"
 #include "state/commit.h"
+#include "state/control.h"
 #include "state/cutting.h"
 #include "state/flight.h"
 #include "state/state.h"
@@ -279,6 +280,7 @@ static cloth_status stand(cloth_sim *sim, cloth_outcome result, cloth_error *err
   if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
   report->newton_correction = fmax(report->newton_correction, sim->correction);
   report->error_estimate = fmax(report->error_estimate, sim->error_estimate);
+  cloth_control_add(sim, sim->error_mean);
   return CLOTH_OK;
 }
 
@@ -288,7 +290,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
   cloth_cutting c;
   CLOTH_TRY(cloth_cutting_begin(sim, h, &c, err));
   double done = 0;
-  sim->h_contact = h * c.share;
+  sim->h_contact = h * c.share * c.finer;
   while (done < 1) {
     double to = done + c.share < 1 - 1e-9 ? done + c.share : 1;
     sim->h = (to - done) * h;
@@ -308,10 +310,18 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
       continue;
     }
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
+    int cut = cloth_control_cut(sim, &c, to - done);
+    if (cut > 1) {
+      sim->report->accuracy_repeats++;
+      c.share /= cut, c.finer *= cut;
+      sim->pairs_valid = false;
+      continue;
+    }
     CLOTH_TRY(stand(sim, *result, err));
     done = to;
   }
   cloth_cutting_end(sim, &c);
+  cloth_control_end(sim, h, (int)(1 / c.share + 0.5));
   return CLOTH_OK;
 }
 
@@ -398,6 +408,11 @@ void cloth_sim_tune(void *data, const cloth_tuning *t)
   sim->params.pcg_tolerance = t->pcg_tolerance;
   sim->params.newton_iterations_max = t->newton_iterations;
   sim->params.contact_rounds_max = t->contact_rounds;
+  sim->params.pcg_iterations_max =
+      t->pcg_iterations > 0 ? t->pcg_iterations : sim->def->params.pcg_iterations_max;
+  double slack = t->pair_slack > 0 ? t->pair_slack : sim->def->params.pair_slack;
+  if (slack != sim->params.pair_slack) sim->pairs_valid = false; // made for another
+  sim->params.pair_slack = slack;
 }
 
 static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)
@@ -424,7 +439,8 @@ static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cl
   place_teleports(sim);
   CLOTH_TRY(save_start(sim, false, err));
   cloth_status status = integrate(sim, h, &result, err);
-  if (status < 0) rescue(sim);
+  if (status < 0 && sim->transport->ranks == 1)
+    rescue(sim); // other processes are not asked any more
   CLOTH_TRY(status);
   if (result == OUTCOME_UNSTABLE) {
     cloth_guess_free_fall(sim);

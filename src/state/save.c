@@ -19,7 +19,7 @@ typedef struct file_header {
   int64_t step;
   int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, friction;
   int32_t tangles, substeps; // tangles: 1: known to be free of them, 2: settling
-  int32_t history, pad;      // of bdf2: 1: is there
+  int32_t history, parts;    // of bdf2: 1: is there; of accuracy
   uint64_t body_bytes;       // bytes after the vectors
 } file_header;
 
@@ -120,7 +120,7 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x,
   head.pins = sim->def->pin_count, head.friction = friction_count;
   head.history = sim->bdf2.known;
   head.tangles = (sim->tangles.known_free ? 1 : 0) + (sim->tangles.settling ? 2 : 0);
-  head.substeps = sim->substeps_crowded;
+  head.substeps = sim->substeps_crowded, head.parts = sim->control.parts;
   put(w, &head, sizeof head);
   put(w, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
   put(w, sim->pin_broken, (size_t)sim->def->pin_count);
@@ -146,14 +146,18 @@ cloth_status cloth_sim_save(void *data, const char *path, cloth_error *err)
 {
   cloth_sim *sim = data;
   cloth_real *x;
-  char beside[4096];
-  if (snprintf(beside, sizeof beside, "%s.part", path) >= (int)sizeof beside)
+  char beside[4096] = "";
+  if (path && snprintf(beside, sizeof beside, "%s.part", path) >= (int)sizeof beside)
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "state file: the path is longer than %zu characters",
                sizeof beside);
   cloth_friction_entry *friction;
   int friction_count;
   CLOTH_TRY(cloth_friction_read(sim, &friction, &friction_count, err));
   cloth_status status = read_state(sim, &x, err);
+  if (path == NULL) {
+    free(friction);
+    return status;
+  }
   writer w = {status == CLOTH_OK ? fopen(beside, "wb") : NULL, DIGEST_START, false};
   if (w.file == NULL) {
     int cause = errno;
@@ -337,6 +341,7 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   memcpy(sim->pin_broken, broken, (size_t)head.pins);
   memcpy(sim->mean_velocity, mean, means), memcpy(sim->acceleration, acceleration, means);
   sim->mean_known = head.mean_known, sim->substeps_crowded = head.substeps;
+  sim->control.parts = head.parts;
   sim->time = head.time, sim->step = head.step;
   sim->pairs_valid = false;
   CLOTH_TRY(cloth_holds_refresh(sim, err));

@@ -211,6 +211,15 @@ typedef struct cloth_bdf2 {
   double h_last, h_saved;  // s
 } cloth_bdf2;
 
+/// Of the parameter accuracy (state/control.h).
+typedef struct cloth_control {
+  double size;       // m, diagonal of the largest cloth's box as it lies at the start
+  int parts;         // of the next step; 0: not known; belongs to the state
+  double spent;      // m, estimated error of this step so far
+  bool second_order; // all substeps of this step were
+  int64_t missed;    // steps that were above what was asked for
+} cloth_control;
+
 /// A rigid body, on the host.
 typedef struct cloth_body {
   cloth_pose now, target;   // after the last step; at the end of this one
@@ -318,7 +327,9 @@ struct cloth_sim {
   double span;           // m, the most that all cloth spans and sweeps in this substep
   bool smooth;           // nothing touched in this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
-  double error_estimate; // m, of this substep
+  double error_estimate; // m, of this substep, of the worst vertex
+  double error_mean;     // m, of this substep, root mean square over the cloth
+  cloth_control control; // of the parameter accuracy
   double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
   bool helpless; // stiffer contacts did not even halve the impacts: by the looks of it no room
   int substeps_crowded; // least substeps of the next step; belongs to the state

@@ -35,6 +35,8 @@ cloth_status tool_processes_join(const tool_arguments *args, const cloth_def *de
   return CLOTH_OK;
 }
 
+int tool_processes_count(void) { return transport ? transport->ranks : 1; }
+
 bool tool_processes_first(void) { return !transport || transport->rank == 0; }
 
 cloth_status tool_processes_agree(cloth_status mine, cloth_error *err)

@@ -30,6 +30,7 @@ static const tool_option options[] = {
 typedef struct totals {
   int64_t steps;
   double wall;        // s, of cloth_step() alone
+  double error;       // 1, estimates of all steps added
   double stretch_max; // 1
   int64_t stretch_step;
   int contacts_self_max, contacts_body_max, impacts_left_max;
@@ -38,6 +39,7 @@ typedef struct totals {
   unsigned char *blocking; // [bodies] 1: left the cloth no room in some step
   int64_t blocking_steps, teleports;
   int64_t impacts, zones, held_back, impacts_left_steps, unconverged, substeps, halvings;
+  int substeps_max;
 } totals;
 
 static volatile sig_atomic_t stop_signal;
@@ -121,6 +123,8 @@ static void totals_add(totals *t, const cloth_step_report *r, double wall)
   t->unconverged += r->pcg_unconverged;
   t->substeps += r->substeps;
   t->halvings += r->step_halvings;
+  t->error += r->accuracy_estimate * r->step_size;
+  if (r->substeps > t->substeps_max) t->substeps_max = r->substeps;
 }
 
 typedef struct run {
@@ -128,7 +132,8 @@ typedef struct run {
   tool_output *output; // NULL: nothing is written
   int stop;            // signal that ends the run, or 0
   int64_t steps, mesh_every;
-  double begin; // s, scene time of the first step
+  double begin;    // s, scene time of the first step
+  double accuracy; // asked for, 1/s
   totals totals;
   cloth_step_report last;
   progress progress;
@@ -172,9 +177,22 @@ static void print_budget(const cloth_step_report *r)
          "most %.3g ms, 99 %% at most %.3g ms, the longest %.3g ms\n",
          r->budget_ms, r->deadlines_missed, r->wall_p50, r->wall_p99, r->wall_worst);
   printf(
-      "                  last chosen: pcg_tolerance %.2g, %d Newton iterations, %d contact rounds; "
-      "not deterministic\n",
-      r->chosen_pcg_tolerance, r->chosen_newton_iterations, r->chosen_contact_rounds);
+      "                  last chosen: pcg_tolerance %.2g, %d Newton iterations, %d contact rounds, "
+      "%d solver iterations; not deterministic\n",
+      r->chosen_pcg_tolerance, r->chosen_newton_iterations, r->chosen_contact_rounds,
+      r->chosen_pcg_iterations);
+}
+
+static void print_accuracy(const run *r, double simulated)
+{
+  const totals *t = &r->totals;
+  if (!(r->accuracy > 0) || !(simulated > 0)) return;
+  printf(
+      "accuracy          %.3g %% a second asked for: estimated %.3g %% a second, %.3g %% in all; "
+      "more in %" PRId64 " steps\n",
+      100 * r->accuracy, 100 * t->error / simulated, 100 * t->error, r->last.accuracy_missed);
+  printf("                  chosen: at most %d substeps a step, pcg_tolerance %.2g\n",
+         t->substeps_max, r->last.chosen_pcg_tolerance);
 }
 
 static void print_summary(const run *r, uint64_t hash)
@@ -204,6 +222,7 @@ static void print_summary(const run *r, uint64_t hash)
     printf("teleports         %" PRId64 " bodies placed, not swept\n", t->teleports);
   if (t->blocking_steps) tool_blocking_print(r->scene, t->blocking, t->blocking_steps);
   print_budget(&r->last);
+  print_accuracy(r, simulated);
   if (t->unconverged) printf("unconverged       %" PRId64 " linear solves\n", t->unconverged);
   printf("state hash        %016" PRIx64 "\n", hash);
 }
@@ -257,6 +276,7 @@ static cloth_status run_prepare(const tool_arguments *args, run *r, cloth_error 
   CLOTH_TRY_GOTO(steps_wanted(args, def, &r->steps, err), status, done);
   CLOTH_TRY_GOTO(cloth_scene_new(def, &r->scene, err), status, done);
   bool first = tool_processes_first();
+  r->accuracy = cloth_def_params(def)->accuracy;
   cloth_scene_hash_steps(r->scene, tool_has(args, "hash"));
   const char *from = tool_text(args, "load-state");
   if (from) CLOTH_TRY_GOTO(cloth_state_load(r->scene, from, err), status, done);
@@ -303,13 +323,14 @@ static int run_main(const tool_arguments *args, cloth_error *err)
   } else {
     catch_signals();
     status = run_steps(&r, err);
-    if (status < 0) save_last(args, &r);
+    if (status < 0 && tool_processes_count() == 1) save_last(args, &r);
     code = run_end(&r, status);
     if (tool_has(args, "record") && status >= 0 && cloth_record_stop(r.scene, err) != CLOTH_OK)
       code = TOOL_FAILED;
     const char *to = tool_text(args, "save-state");
-    if (to && !tool_processes_first()) to = "/dev/null"; // all read the state, one writes it
-    if (to && status >= 0 && cloth_state_save(r.scene, to, err) != CLOTH_OK) code = TOOL_FAILED;
+    if (to && status >= 0 &&
+        cloth_state_save(r.scene, tool_processes_first() ? to : NULL, err) != CLOTH_OK)
+      code = TOOL_FAILED;
   }
   if (tool_output_close(r.output, err) != CLOTH_OK) code = TOOL_FAILED;
   cloth_scene_free(r.scene);

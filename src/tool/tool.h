@@ -99,6 +99,9 @@ cloth_status tool_processes_join(const tool_arguments *args, const cloth_def *de
 /// Is it this process that writes and prints?
 bool tool_processes_first(void);
 
+/// How many there are; 1 without `devices: mpi`.
+int tool_processes_count(void);
+
 /// The first process that failed is how it went for all. `mine` where there is one process.
 cloth_status tool_processes_agree(cloth_status mine, cloth_error *err);
 

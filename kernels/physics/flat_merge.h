@@ -1,10 +1,11 @@
-// Range of node i of a level from the nodes of the level below.
+// Range of the list's node i of a level from the nodes of the level below.
 #pragma once
 
 #include "flat_patch.h"
 
 typedef struct cloth_flat_merge_args {
-  int first; // node of element 0
+  const int *node; // [n]; NULL: all from `first` on
+  int first;
   const int
       *source; // [nodes x 4] first node, columns, rows and nodes in a row of what it is made of
   cloth_real *range; // [nodes x CLOTH_FLAT_RANGE], those of this level written
@@ -21,9 +22,9 @@ CLOTH_FN void cloth_flat_merge_rect(const cloth_real *range, int first, int colu
 
 CLOTH_FN void cloth_flat_merge(int i, const cloth_flat_merge_args *a)
 {
-  const int *s = a->source + 4 * (a->first + i);
+  int node = a->node ? a->node[i] : a->first + i;
+  const int *s = a->source + 4 * node;
   cloth_real range[CLOTH_FLAT_RANGE];
   cloth_flat_merge_rect(a->range, s[0], s[1], s[2], s[3], range);
-  for (int k = 0; k < CLOTH_FLAT_RANGE; k++)
-    a->range[CLOTH_FLAT_RANGE * (a->first + i) + k] = range[k];
+  for (int k = 0; k < CLOTH_FLAT_RANGE; k++) a->range[CLOTH_FLAT_RANGE * node + k] = range[k];
 }

@@ -1,11 +1,12 @@
-// Is the square at node i flat? Before a search that is noted; later, squares that were noted and
-// are flat no more are counted: their pairs must be searched.
+// Is the square at the list's node i flat? Before a search that is noted; later, squares that were
+// noted and are flat no more are counted: their pairs must be searched.
 #pragma once
 
 #include "atomic.h"
 #include "flat_merge.h"
 
 typedef struct cloth_flat_square_args {
+  const int *node;          // [n]; NULL: all
   const int *square;        // [nodes x 3] columns, rows, nodes in a row
   const cloth_real *height; // [nodes] m, least height of a triangle; 0: not a patch
   const cloth_real *range;  // [nodes x CLOTH_FLAT_RANGE]
@@ -16,8 +17,9 @@ typedef struct cloth_flat_square_args {
   uint32_t *lost;           // [1] counts up
 } cloth_flat_square_args;
 
-CLOTH_FN void cloth_flat_square(int i, const cloth_flat_square_args *a)
+CLOTH_FN void cloth_flat_square(int k, const cloth_flat_square_args *a)
 {
+  int i = a->node ? a->node[k] : k;
   if (a->check ? !a->flat[i] : !(a->height[i] > 0)) {
     if (!a->check) a->flat[i] = 0;
     return;

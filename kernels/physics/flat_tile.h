@@ -1,11 +1,12 @@
-// Range of tile i from those of the triangles that reach into it.
+// Range of the list's tile i from those of the triangles that reach into it.
 #pragma once
 
 #include "flat_patch.h"
 
 typedef struct cloth_flat_tile_args {
-  const int *first;           // [tiles + 1]
-  const int *list;            // [first[tiles]] triangles
+  const int *node;            // [n] tiles; NULL: all
+  const int *first;           // [n + 1]
+  const int *list;            // [first[n]] places in `triangle`
   const cloth_real *triangle; // [triangles x CLOTH_FLAT_RANGE]
   cloth_real *range;          // [nodes x CLOTH_FLAT_RANGE], those of tiles written
 } cloth_flat_tile_args;
@@ -16,5 +17,6 @@ CLOTH_FN void cloth_flat_tile(int i, const cloth_flat_tile_args *a)
   cloth_flat_range_clear(range);
   for (int n = a->first[i]; n < a->first[i + 1]; n++)
     cloth_flat_range_add(range, a->triangle + CLOTH_FLAT_RANGE * a->list[n]);
-  for (int k = 0; k < CLOTH_FLAT_RANGE; k++) a->range[CLOTH_FLAT_RANGE * i + k] = range[k];
+  cloth_real *out = a->range + CLOTH_FLAT_RANGE * (a->node ? a->node[i] : i);
+  for (int k = 0; k < CLOTH_FLAT_RANGE; k++) out[k] = range[k];
 }

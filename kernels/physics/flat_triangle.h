@@ -1,16 +1,17 @@
-// Range of the deformation gradient of triangle i over start, first guess (or solution) and free
-// flight of the substep.
+// Range of the deformation gradient of the list's triangle i over start, first guess (or solution)
+// and free flight of the substep.
 #pragma once
 
 #include "flat_patch.h"
 
 typedef struct cloth_flat_triangle_args {
+  const int *which;         // [n] triangles; NULL: all
   const int *triangle;      // [triangles x 3]
-  const cloth_real *rest;   // [triangles x 4] 1/m, inverse of the edges 1-0, 2-0 at rest
+  const cloth_real *rest;   // [n x 4] 1/m, inverse of the edges 1-0, 2-0 at rest
   const cloth_real *x_t0;   // [vertices x 3] m
   const cloth_real *x;      // [vertices x 3] m
   const cloth_real *x_pred; // [vertices x 3] m
-  cloth_real *range;        // [triangles x CLOTH_FLAT_RANGE], written
+  cloth_real *range;        // [n x CLOTH_FLAT_RANGE], written
 } cloth_flat_triangle_args;
 
 CLOTH_FN void cloth_flat_gradient(const cloth_real *x, const int *v, const cloth_real *rest,
@@ -25,7 +26,7 @@ CLOTH_FN void cloth_flat_gradient(const cloth_real *x, const int *v, const cloth
 
 CLOTH_FN void cloth_flat_triangle(int i, const cloth_flat_triangle_args *a)
 {
-  const int *v = a->triangle + 3 * i;
+  const int *v = a->triangle + 3 * (a->which ? a->which[i] : i);
   cloth_real f[18], *range = a->range + CLOTH_FLAT_RANGE * i;
   cloth_flat_gradient(a->x_t0, v, a->rest + 4 * i, f);
   cloth_flat_gradient(a->x, v, a->rest + 4 * i, f + 6);

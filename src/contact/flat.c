@@ -2,7 +2,7 @@
 // search and per check. kernels/physics/flat_patch.h says what is proved and why.
 #include "contact/flat.h"
 
-#include "contact/flat_sheet.h"
+#include "contact/flat_part.h"
 #include "effect/effect.h"
 #include "flat_merge.h"
 #include "flat_square.h"
@@ -20,37 +20,22 @@
 
 // ---- tables ------------------------------------------------------------------------------------
 
-// nodes: level by level, sheet by sheet; those of the first level are the tiles
-typedef struct tables {
-  cloth_sheet *sheet; // [cloths]
-  int count;
-  int listed, *tile_first, *tile_list;
-  int *source, *square; // [nodes x 4], [nodes x 3]
-  double *height;       // [nodes] m, least height of a triangle in the square; 0: not a patch
-  int *place, *level;
-  double *rest; // [triangles x 4]
-} tables;
-
-static int level_size(const cloth_sheet *s, int level, int axis)
-{
-  return (s->size[axis] - 1 + (1 << level)) >> level;
-}
-
 // a level is there unless the one below spans the cloth already
 static bool level_exists(const cloth_sheet *s, int level)
 {
-  return s->flat && (level == 0 || level_size(s, level - 1, 0) > CLOTH_FLAT_SPAN ||
-                     level_size(s, level - 1, 1) > CLOTH_FLAT_SPAN);
+  return s->flat && (level == 0 || cloth_flat_level_size(s, level - 1, 0) > CLOTH_FLAT_SPAN ||
+                     cloth_flat_level_size(s, level - 1, 1) > CLOTH_FLAT_SPAN);
 }
 
-static void number_nodes(cloth_sim *sim, tables *t)
+static void number_nodes(cloth_sim *sim, cloth_flat_tables *t)
 {
   cloth_flat *f = &sim->flat;
   for (int l = 0; l < CLOTH_FLAT_LEVELS; l++) {
     f->level_first[l] = f->nodes;
     for (int c = 0; c < t->count; c++)
       if (level_exists(&t->sheet[c], l))
-        f->nodes += level_size(&t->sheet[c], l, 0) * level_size(&t->sheet[c], l, 1);
+        f->nodes +=
+            cloth_flat_level_size(&t->sheet[c], l, 0) * cloth_flat_level_size(&t->sheet[c], l, 1);
     if (l == 0) f->tiles = f->nodes;
   }
   f->level_first[CLOTH_FLAT_LEVELS] = f->nodes;
@@ -62,11 +47,11 @@ static void number_nodes(cloth_sim *sim, tables *t)
 static int least(int a, int b) { return a < b ? a : b; }
 
 // one sheet on one level, from node `first` on, out of what starts at node `below`
-static void fill_level(const cloth_sheet *s, tables *t, int level, int first, int below)
+static void fill_level(const cloth_sheet *s, cloth_flat_tables *t, int level, int first, int below)
 {
-  int nx = level_size(s, level, 0), ny = level_size(s, level, 1);
-  int mx = level > 0 ? level_size(s, level - 1, 0) : nx;
-  int my = level > 0 ? level_size(s, level - 1, 1) : ny;
+  int nx = cloth_flat_level_size(s, level, 0), ny = cloth_flat_level_size(s, level, 1);
+  int mx = level > 0 ? cloth_flat_level_size(s, level - 1, 0) : nx;
+  int my = level > 0 ? cloth_flat_level_size(s, level - 1, 1) : ny;
   for (int y = 0; y < ny; y++)
     for (int x = 0; x < nx; x++) {
       int node = first + y * nx + x;
@@ -81,7 +66,7 @@ static void fill_level(const cloth_sheet *s, tables *t, int level, int first, in
     }
 }
 
-static void fill_levels(const cloth_sim *sim, tables *t)
+static void fill_levels(const cloth_sim *sim, cloth_flat_tables *t)
 {
   int *below = malloc(sizeof(int) * ((size_t)t->count + 1));
   if (below == NULL) return; // nothing is valid then
@@ -92,16 +77,16 @@ static void fill_levels(const cloth_sim *sim, tables *t)
       int *level = t->level + 2 * (CLOTH_FLAT_LEVELS * c + l);
       level[0] = -1, level[1] = 0;
       if (!level_exists(&t->sheet[c], l)) continue;
-      level[0] = node, level[1] = level_size(&t->sheet[c], l, 0);
+      level[0] = node, level[1] = cloth_flat_level_size(&t->sheet[c], l, 0);
       fill_level(&t->sheet[c], t, l, node, below[c]);
       below[c] = node;
-      node += level[1] * level_size(&t->sheet[c], l, 1);
+      node += level[1] * cloth_flat_level_size(&t->sheet[c], l, 1);
     }
   }
   free(below);
 }
 
-static void fill_triangles(const cloth_sim *sim, tables *t)
+static void fill_triangles(const cloth_sim *sim, cloth_flat_tables *t)
 {
   int tile = 0, listed = 0;
   for (int i = 0; i < sim->triangle_count; i++) t->place[5 * i] = -1;
@@ -125,7 +110,7 @@ static void fill_triangles(const cloth_sim *sim, tables *t)
   t->tile_first[tile] = listed;
 }
 
-static cloth_status take_tables(const cloth_sim *sim, tables *t, cloth_error *err)
+static cloth_status take_tables(const cloth_sim *sim, cloth_flat_tables *t, cloth_error *err)
 {
   size_t nodes = (size_t)sim->flat.nodes + 1, n = (size_t)sim->triangle_count + 1;
   t->tile_first = malloc(sizeof(int) * ((size_t)sim->flat.tiles + 1));
@@ -140,39 +125,83 @@ static cloth_status take_tables(const cloth_sim *sim, tables *t, cloth_error *er
   return CLOTH_OK;
 }
 
-static void free_tables(tables *t)
+static void free_tables(cloth_flat_tables *t)
 {
   for (int c = 0; c < t->count && t->sheet; c++) cloth_sheet_free(&t->sheet[c]);
   free(t->sheet), free(t->tile_first), free(t->tile_list), free(t->source), free(t->square);
   free(t->height), free(t->place), free(t->level), free(t->rest);
 }
 
-static cloth_status upload(cloth_sim *sim, cloth_part *p, const tables *t, cloth_error *err)
+// the tables over all nodes
+static cloth_status upload_nodes(cloth_sim *sim, cloth_part *p, const cloth_flat_tables *t,
+                                 cloth_error *err)
 {
-  size_t nodes = (size_t)sim->flat.nodes, tiles = (size_t)sim->flat.tiles, n = sizeof(int);
+  size_t nodes = (size_t)sim->flat.nodes, n = sizeof(int);
   size_t triangles = (size_t)sim->triangle_count;
-  CLOTH_TRY(
-      cloth_upload(sim, p, "flat_first", t->tile_first, n * (tiles + 1), &p->flat_first, err));
-  CLOTH_TRY(
-      cloth_upload(sim, p, "flat_list", t->tile_list, n * (size_t)t->listed, &p->flat_list, err));
   CLOTH_TRY(cloth_upload(sim, p, "flat_source", t->source, n * 4 * nodes, &p->flat_source, err));
   CLOTH_TRY(cloth_upload(sim, p, "flat_extent", t->square, n * 3 * nodes, &p->flat_extent, err));
   CLOTH_TRY(cloth_upload_real(sim, p, "flat_height", t->height, (int)nodes, &p->flat_height, err));
   CLOTH_TRY(cloth_upload(sim, p, "flat_place", t->place, n * 5 * triangles, &p->flat_place, err));
   CLOTH_TRY(cloth_upload(sim, p, "flat_level", t->level,
                          n * 2 * CLOTH_FLAT_LEVELS * (size_t)t->count, &p->flat_level, err));
-  CLOTH_TRY(
-      cloth_upload_real(sim, p, "flat_rest", t->rest, 4 * (int)triangles, &p->flat_rest, err));
   CLOTH_TRY(cloth_take(sim, p, "flat_range", sizeof(cloth_real) * CLOTH_FLAT_RANGE * nodes,
                        &p->flat_range, err));
-  CLOTH_TRY(cloth_take(sim, p, "flat_gradient", sizeof(cloth_real) * CLOTH_FLAT_RANGE * triangles,
-                       &p->flat_gradient, err));
   return cloth_take(sim, p, "flat", nodes, &p->flat, err);
+}
+
+static cloth_status upload_list(cloth_sim *sim, cloth_part *p, int **list, int n, cloth_error *err)
+{
+  const int *host = *list;
+  return host == NULL
+             ? CLOTH_OK
+             : cloth_upload(sim, p, "flat_part", host, sizeof(int) * (size_t)n, list, err);
+}
+
+// the tables over what the part judges
+static cloth_status upload_share(cloth_sim *sim, cloth_part *p, const cloth_flat_lists *l,
+                                 cloth_error *err)
+{
+  cloth_flat_part *s = &p->flat_part;
+  *s = l->share; // lists of the host, which those of the device replace
+  int tiles = s->nodes[0];
+  CLOTH_TRY(upload_list(sim, p, &s->triangle, s->triangles, err));
+  for (int k = 0; k < CLOTH_FLAT_LEVELS; k++)
+    CLOTH_TRY(upload_list(sim, p, &s->node[k], s->nodes[k], err));
+  CLOTH_TRY(upload_list(sim, p, &s->square, s->squares, err));
+  CLOTH_TRY(cloth_upload(sim, p, "flat_first", l->tile_first, sizeof(int) * ((size_t)tiles + 1),
+                         &p->flat_first, err));
+  CLOTH_TRY(cloth_upload(sim, p, "flat_list", l->tile_list,
+                         sizeof(int) * (size_t)l->tile_first[tiles], &p->flat_list, err));
+  CLOTH_TRY(cloth_upload_real(sim, p, "flat_rest", l->rest, 4 * s->triangles, &p->flat_rest, err));
+  return cloth_take(sim, p, "flat_gradient",
+                    sizeof(cloth_real) * CLOTH_FLAT_RANGE * (size_t)s->triangles, &p->flat_gradient,
+                    err);
+}
+
+static cloth_status upload(cloth_sim *sim, cloth_part *p, const cloth_flat_tables *t,
+                           cloth_error *err)
+{
+  CLOTH_TRY(upload_nodes(sim, p, t, err));
+  const cloth_flat *f = &sim->flat;
+  if (sim->part_count == 1) {
+    cloth_flat_lists all = {.share = {.triangles = sim->triangle_count, .squares = f->nodes},
+                            .tile_first = t->tile_first,
+                            .tile_list = t->tile_list,
+                            .rest = t->rest};
+    for (int l = 0; l < CLOTH_FLAT_LEVELS; l++)
+      all.share.nodes[l] = f->level_first[l + 1] - f->level_first[l];
+    return upload_share(sim, p, &all, err);
+  }
+  cloth_flat_lists own;
+  cloth_status status = cloth_flat_part_make(sim, p, t, &own, err);
+  if (status == CLOTH_OK) status = upload_share(sim, p, &own, err);
+  cloth_flat_part_free(&own);
+  return status;
 }
 
 cloth_status cloth_flat_build(cloth_sim *sim, cloth_error *err)
 {
-  tables t = {.count = sim->def->cloth_count};
+  cloth_flat_tables t = {.count = sim->def->cloth_count};
   cloth_status status = CLOTH_OK;
   cloth_flat *f = &sim->flat;
   *f = (cloth_flat){0};
@@ -203,15 +232,16 @@ done:
 
 static cloth_status find_ranges(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  const cloth_flat *f = &sim->flat;
-  cloth_flat_triangle_args g = {p->triangle, p->flat_rest, p->x_t0,
-                                p->x,        p->x_pred,    p->flat_gradient};
-  CLOTH_LAUNCH(sim, p, flat_triangle, sim->triangle_count, &g, err);
-  cloth_flat_tile_args t = {p->flat_first, p->flat_list, p->flat_gradient, p->flat_range};
-  CLOTH_LAUNCH(sim, p, flat_tile, f->tiles, &t, err);
+  const cloth_flat_part *s = &p->flat_part;
+  cloth_flat_triangle_args g = {s->triangle, p->triangle, p->flat_rest,    p->x_t0,
+                                p->x,        p->x_pred,   p->flat_gradient};
+  CLOTH_LAUNCH(sim, p, flat_triangle, s->triangles, &g, err);
+  cloth_flat_tile_args t = {s->node[0], p->flat_first, p->flat_list, p->flat_gradient,
+                            p->flat_range};
+  CLOTH_LAUNCH(sim, p, flat_tile, s->nodes[0], &t, err);
   for (int l = 1; l < CLOTH_FLAT_LEVELS; l++) {
-    cloth_flat_merge_args m = {f->level_first[l], p->flat_source, p->flat_range};
-    CLOTH_LAUNCH(sim, p, flat_merge, f->level_first[l + 1] - f->level_first[l], &m, err);
+    cloth_flat_merge_args m = {s->node[l], sim->flat.level_first[l], p->flat_source, p->flat_range};
+    CLOTH_LAUNCH(sim, p, flat_merge, s->nodes[l], &m, err);
   }
   return CLOTH_OK;
 }
@@ -219,9 +249,9 @@ static cloth_status find_ranges(cloth_sim *sim, cloth_part *p, cloth_error *err)
 static cloth_status judge(cloth_sim *sim, cloth_part *p, double margin, uint32_t *lost,
                           cloth_error *err)
 {
-  const cloth_flat *f = &sim->flat;
   CLOTH_TRY(find_ranges(sim, p, err));
-  cloth_flat_square_args s = {.square = p->flat_extent,
+  cloth_flat_square_args s = {.node = p->flat_part.square,
+                              .square = p->flat_extent,
                               .height = p->flat_height,
                               .range = p->flat_range,
                               .thickness = (cloth_real)sim->params.thickness,
@@ -229,7 +259,7 @@ static cloth_status judge(cloth_sim *sim, cloth_part *p, double margin, uint32_t
                               .check = lost != NULL,
                               .flat = p->flat,
                               .lost = lost};
-  return cloth_launch(sim, p, CLOTH_KERNEL_flat_square, f->nodes, &s, err);
+  return cloth_launch(sim, p, CLOTH_KERNEL_flat_square, p->flat_part.squares, &s, err);
 }
 
 cloth_status cloth_flat_note(cloth_sim *sim, cloth_part *part, cloth_error *err)

@@ -39,21 +39,29 @@ cloth_status cloth_count_clear(cloth_sim *sim, cloth_part *part, int place, int 
 
 // ---- is a search due? ---------------------------------------------------------------------------
 
-cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
+// Each part looks at its own vertices, and at the squares that it judges.
+static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  cloth_part *p = &sim->part[0]; // every part sees the same
-  uint32_t count = 0;
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_ESCAPED, 1, err));
-  cloth_vertex_escape_args a = {0, p->x_t0, p->x, p->vertex_box, p->counter + COUNT_ESCAPED};
-  CLOTH_LAUNCH(sim, p, vertex_escape, sim->vertex_count, &a, err);
-  for (int b = 0; b < sim->def->body_count; b++) {
+  cloth_vertex_escape_args a = {p->v0, p->x_t0, p->x, p->vertex_box, p->counter + COUNT_ESCAPED};
+  CLOTH_LAUNCH(sim, p, vertex_escape, p->v1 - p->v0, &a, err);
+  for (int b = 0; b < sim->def->body_count && p->index == 0; b++) { // which every part sees alike
     if (!sim->body[b].near) continue;
     a.first = sim->body[b].vertex_first;
     CLOTH_LAUNCH(sim, p, vertex_escape, sim->body[b].vertex_count, &a, err);
   }
-  CLOTH_TRY(cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err));
-  CLOTH_TRY(cloth_count_read(sim, p, COUNT_ESCAPED, &count, err));
-  *escaped = count > 0;
+  return cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err);
+}
+
+cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
+{
+  *escaped = false;
+  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(count_escaped(sim, &sim->part[i], err));
+  for (int i = 0; i < sim->part_count && !*escaped; i++) {
+    uint32_t count = 0;
+    CLOTH_TRY(cloth_count_read(sim, &sim->part[i], COUNT_ESCAPED, &count, err));
+    *escaped = count > 0;
+  }
   return CLOTH_OK;
 }
 

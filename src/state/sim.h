@@ -30,6 +30,15 @@ enum { CLOTH_EXCHANGE_HALO, CLOTH_EXCHANGE_WHOLE, CLOTH_EXCHANGE_LAUNCHES }; // 
 
 enum { CLOTH_CORE = -1 }; // owner of memory and launches that belong to no effect
 
+/// Which flat patches a part judges (contact/flat_part.h), and the triangles whose gradients that
+/// takes. A list that is NULL stands for all, in order.
+typedef struct cloth_flat_part {
+  int triangles, squares, nodes[CLOTH_FLAT_LEVELS];
+  int *triangle;                // [triangles]
+  int *node[CLOTH_FLAT_LEVELS]; // [nodes[level]] whose ranges are made
+  int *square;                  // [squares] nodes whose squares are judged
+} cloth_flat_part;
+
 /// Memory on a device that is owned by the sim and freed with it.
 typedef struct cloth_block {
   void *data;
@@ -113,7 +122,9 @@ typedef struct cloth_part {
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
 
-  // flat patches, see flat_patch.h; allocated when a cloth is flat at rest
+  // flat patches, see flat_patch.h; allocated when a cloth is flat at rest. flat_first, flat_list:
+  // of the share's nodes of level 0; flat_rest, flat_gradient: of the share's triangles
+  cloth_flat_part flat_part;
   int *flat_first, *flat_list, *flat_source, *flat_extent, *flat_place, *flat_level;
   unsigned char *flat;
   cloth_real *flat_rest, *flat_height, *flat_gradient, *flat_range;
@@ -161,7 +172,7 @@ typedef struct cloth_part {
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
-  cloth_hat_share hat_share; // joined parts: whose nodes are whose; hat_block: own rows alone
+  cloth_hat_share hat_share;      // joined parts: whose nodes are whose; hat_block: own rows alone
   uint32_t *reader_mesh, *reader; // [rows of the part] of the mesh, of all: halo_contact.h; NULL
                                   // where parts are not joined
   uint32_t *chunk_reader, *halo_place, *halo_order; // [chunks of the part (+ 1)] halo_order.h
@@ -478,7 +489,8 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
-/// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's end.
+/// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's
+/// end.
 bool cloth_hold_clear_force(const cloth_sim *sim, cloth_hold_state *hold, cloth_pose *frame);
 /// f [N] that the hold exerts at x [m] adds to its wrench about its frame.
 void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],

@@ -1,7 +1,7 @@
 // Culling of flat patches against brute force: of all pairs of features of sheets that are bent,
 // spun, squeezed, folded, torn, slit or full of holes, none is lost that comes as near as the
 // distance it keeps, at the start, on its way or ahead of where it starts; and flat cloth has no
-// pairs left.
+// pairs left. Several parts, which each judge what their own pairs need, find what one finds.
 #include "contact/contact.h"
 #include "contact/pairs.h"
 #include "contact_find.h"
@@ -221,9 +221,12 @@ static int count_lost(const cloth_sim *sim, int n, int *near)
   return lost;
 }
 
+static const char *devices = "cpu";
+
 static cloth_sim *sim_of(cloth_def **def, const char *culling)
 {
   *def = def_new(PRECISION);
+  def_set(*def, "devices", devices);
   def_set(*def, "threads", "2");
   def_set(*def, "flat_culling", culling);
   def_cloth(*def, "sheet", &cloth, cloth_material_default(), pose_turned(0.3, -0.2, 0.5, 1, 0.7));
@@ -303,11 +306,118 @@ static int cloth_that_bends_is_searched_again(void)
   return 0;
 }
 
+// ---- several parts ------------------------------------------------------------------------------
+
+// the pairs of all parts, each once, into `found`
+static int search_all(cloth_sim *sim)
+{
+  int n = 0, unique = 0;
+  search(sim);
+  for (int p = 0; p < sim->part_count; p++) {
+    if (n + sim->part[p].pair_count > MOST) abort();
+    memcpy(found + n, sim->part[p].pair, sizeof *found * (size_t)sim->part[p].pair_count);
+    n += sim->part[p].pair_count;
+  }
+  qsort(found, (size_t)n, sizeof *found, compare);
+  for (int i = 0; i < n; i++)
+    if (unique == 0 || found[i] != found[unique - 1]) found[unique++] = found[i];
+  return unique;
+}
+
+static uint64_t digest(int n)
+{
+  uint64_t h = 14695981039346656037u; // FNV-1a
+  for (int i = 0; i < n; i++) h = (h ^ found[i]) * 1099511628211u;
+  return h;
+}
+
+// the pairs at `from`, and whether `to` asks for another search
+typedef struct answer {
+  int count;
+  uint64_t pairs;
+  bool escaped;
+} answer;
+
+static answer ask(const char *parts, const motion *from, const motion *to)
+{
+  cloth_def *def;
+  cloth_error err = {0};
+  answer a;
+  devices = parts;
+  cloth_sim *sim = sim_of(&def, "on");
+  devices = "cpu";
+  sim->params.pair_slack = 0.002;
+  place(sim, from, 0.0002);
+  a.count = search_all(sim), a.pairs = digest(a.count);
+  sim->params.pair_slack = 1; // else a vertex leaves its region
+  search(sim);
+  place(sim, to, 0.0002);
+  must(cloth_pairs_escaped(sim, &a.escaped, &err), &err);
+  cloth_sim_free(sim), cloth_def_free(def);
+  return a;
+}
+
+static int parts_find_what_one_finds(void)
+{
+  int escaped = 0, pairs = 0;
+  for (int k = 0; k < KINDS; k++) {
+    make_sheet((kind)k);
+    for (int m = 0; m < MOTIONS; m++) {
+      const motion *to = &motions[(m + 1) % MOTIONS];
+      answer one = ask("cpu", &motions[m], to), three = ask("cpu, cpu, cpu", &motions[m], to);
+      CHECK(three.count == one.count && three.pairs == one.pairs);
+      CHECK(three.escaped == one.escaped);
+      escaped += one.escaped, pairs += one.count > 0;
+    }
+  }
+  CHECK(pairs > 20 && escaped > 5 && escaped < KINDS * MOTIONS - 5); // else nothing was tested
+  return 0;
+}
+
+static long elements; // of the kernels on flat patches
+static const cloth_backend *below;
+
+static cloth_status count_launch(cloth_device *device, cloth_kernel k, int n, const void *args,
+                                 cloth_error *err)
+{
+  if (k >= CLOTH_KERNEL_flat_triangle && k <= CLOTH_KERNEL_flat_square) elements += n;
+  return below->launch(device, k, n, args, err);
+}
+
+// a long strip, so that its end is farther from the other part than a square is wide
+static long work_of(const char *parts)
+{
+  cloth_def *def;
+  devices = parts;
+  cloth_sim *sim = sim_of(&def, "on");
+  devices = "cpu";
+  place(sim, &motions[0], 0);
+  below = sim->backend, elements = 0;
+  cloth_backend counting = *sim->backend;
+  counting.launch = count_launch;
+  sim->backend = &counting;
+  search(sim);
+  sim->backend = below;
+  cloth_sim_free(sim), cloth_def_free(def);
+  return elements;
+}
+
+static int two_parts_share_the_work(void)
+{
+  sheet_make(&cloth, 0.05, 4.1875, 5, 336);
+  long one = work_of("cpu"), two = work_of("cpu, cpu");
+  if (two > 1.5 * (double)one) printf("  %ld elements on one part, %ld on two\n", one, two);
+  CHECK(one > cloth.triangles && two >= one && (double)two < 1.5 * (double)one);
+  return 0;
+}
+
 int main(int argc, char **argv)
 {
   int failures = 0;
   RUN(no_pair_that_comes_near_is_lost);
   RUN(nor_with_every_vertex_shaken);
   RUN(cloth_that_bends_is_searched_again);
+  RUN(parts_find_what_one_finds);
+  RUN(two_parts_share_the_work);
   return failures > 0;
 }

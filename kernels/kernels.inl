@@ -36,6 +36,7 @@ CLOTH_KERNEL(drag, 128)
 
 // pairs
 CLOTH_KERNEL(box_chunk, 64)
+CLOTH_KERNEL(box_merge, 64)
 CLOTH_KERNEL(vertex_box, 1024)
 CLOTH_KERNEL(vertex_escape, 1024)
 CLOTH_KERNEL(triangle_box, 1024)

@@ -6,8 +6,6 @@
 #include "contact/contact.h"
 #include "contact/friction.h"
 #include "effect/effect.h"
-#include "membrane_stretch.h"
-#include "reduce_max.h"
 #include "shift_chunk.h"
 #include "state/bdf2.h"
 #include "state/commit.h"
@@ -350,28 +348,6 @@ static cloth_status integrate(cloth_sim *sim, double h, cloth_outcome *result, c
   return CLOTH_OK;
 }
 
-static cloth_status measure_stretch(cloth_sim *sim, cloth_error *err)
-{
-  double worst = 0;
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    int n = p->membrane.count, chunks = (n + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
-    if (n == 0) continue;
-    sim->owner = cloth_is_mass_spring(sim) ? CLOTH_EFFECT_springs : CLOTH_EFFECT_membrane;
-    cloth_membrane_stretch_args a = {p->membrane.vertex, p->membrane_rest, p->x_t0, p->stretch};
-    CLOTH_LAUNCH(sim, p, membrane_stretch, n, &a, err);
-    cloth_reduce_max_args r = {n, p->stretch, p->stretch_largest};
-    CLOTH_LAUNCH(sim, p, reduce_max, chunks, &r, err);
-    sim->owner = CLOTH_CORE;
-    CLOTH_TRY(cloth_staging(sim, (size_t)chunks, err));
-    CLOTH_TRY(sim->backend->read(p->device, sim->host, p->stretch_largest,
-                                 sizeof(cloth_real) * (size_t)chunks, err));
-    for (int c = 0; c < chunks; c++) worst = fmax(worst, (double)sim->host[c]);
-  }
-  sim->report->stretch_max = worst;
-  return CLOTH_OK;
-}
-
 // bodies and frames have arrived; grasps that pull too hard let go
 static cloth_status arrive(cloth_sim *sim, cloth_error *err)
 {
@@ -444,7 +420,7 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   CLOTH_TRY(cloth_tangles_update(sim, 0, err));
   report->tangles = sim->tangles.count;
   report->bodies_blocking = sim->blocking.count;
-  CLOTH_TRY(measure_stretch(sim, err));
+  CLOTH_TRY(cloth_stretch_measure(sim, err));
   sim->time += h;
   report->step = ++sim->step;
   report->time = sim->time;

@@ -13,6 +13,7 @@
 #include "bin_search.h"
 #include "body_vertex.h"
 #include "box_chunk.h"
+#include "box_merge.h"
 #include "cell_count.h"
 #include "cell_fill.h"
 #include "cell_mark.h"

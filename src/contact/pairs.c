@@ -39,30 +39,39 @@ cloth_status cloth_count_clear(cloth_sim *sim, cloth_part *part, int place, int 
 
 // ---- is a search due? ---------------------------------------------------------------------------
 
+// what a list of pairs may be lost by
+enum { VERTICES = 1, SQUARES = 2 };
+
 // Each part looks at its own vertices, and at the squares that it judges.
-static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, cloth_error *err)
+static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth_error *err)
 {
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_ESCAPED, 1, err));
   cloth_vertex_escape_args a = {p->v0, p->x_t0, p->x, p->vertex_box, p->counter + COUNT_ESCAPED};
-  CLOTH_LAUNCH(sim, p, vertex_escape, p->v1 - p->v0, &a, err);
-  for (int b = 0; b < sim->def->body_count && p->index == 0; b++) { // which every part sees alike
+  if (what & VERTICES) CLOTH_LAUNCH(sim, p, vertex_escape, p->v1 - p->v0, &a, err);
+  bool first = p->index == 0; // vertices of bodies are the same on every part
+  for (int b = 0; b < sim->def->body_count && first && what & VERTICES; b++) {
     if (!sim->body[b].near) continue;
     a.first = sim->body[b].vertex_first;
     CLOTH_LAUNCH(sim, p, vertex_escape, sim->body[b].vertex_count, &a, err);
   }
-  return cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err);
+  return what & SQUARES ? cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err) : CLOTH_OK;
 }
 
-cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
+static cloth_status escaped_any(cloth_sim *sim, int what, bool *escaped, cloth_error *err)
 {
   *escaped = false;
-  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(count_escaped(sim, &sim->part[i], err));
+  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(count_escaped(sim, &sim->part[i], what, err));
   for (int i = 0; i < sim->part_count && !*escaped; i++) {
     uint32_t count = 0;
     CLOTH_TRY(cloth_count_read(sim, &sim->part[i], COUNT_ESCAPED, &count, err));
     *escaped = count > 0;
   }
   return CLOTH_OK;
+}
+
+cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
+{
+  return escaped_any(sim, VERTICES | SQUARES, escaped, err);
 }
 
 // ---- regions ------------------------------------------------------------------------------------
@@ -400,13 +409,12 @@ cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error 
 
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
 {
-  bool escaped = true;
-  if (sim->pairs_valid && sim->pairs_for_contacts)
-    CLOTH_TRY(cloth_pairs_escaped(sim, &escaped, err));
-  if (!escaped) {
-    sim->report->pairs = 0;
-    for (int p = 0; p < sim->part_count; p++) sim->report->pairs += sim->part[p].pair_count;
-    return CLOTH_OK;
-  }
-  return cloth_pairs_search(sim, err);
+  bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts;
+  // cloth on the move has left by its vertices, and need not be asked about its squares
+  if (!escaped) CLOTH_TRY(escaped_any(sim, VERTICES, &escaped, err));
+  if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(escaped_any(sim, SQUARES, &escaped, err));
+  if (escaped) return cloth_pairs_search(sim, err);
+  sim->report->pairs = 0;
+  for (int p = 0; p < sim->part_count; p++) sim->report->pairs += sim->part[p].pair_count;
+  return CLOTH_OK;
 }

@@ -127,7 +127,7 @@ static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
   CLOTH_TRY(
       cloth_take(sim, part, "tangent", sizeof(cloth_real) * 45 * n, &part->membrane_tangent, err));
   CLOTH_TRY(cloth_take(sim, part, "stretch", sizeof(cloth_real) * n, &part->stretch, err));
-  return cloth_take(sim, part, "stretch_largest", sizeof(cloth_real) * (n / 64 + 1),
+  return cloth_take(sim, part, "stretch_largest", sizeof(cloth_real) * (n / 63 + 8),
                     &part->stretch_largest, err);
 }
 

@@ -89,7 +89,7 @@ static cloth_status upload_triangles(cloth_sim *sim, cloth_part *p, cloth_error 
   free(p->membrane.host_vertex), free(p->membrane.which);
   p->membrane.host_vertex = p->membrane.which = NULL;
   CLOTH_TRY(cloth_take(sim, p, "stretch", sizeof(cloth_real) * n, &p->stretch, err));
-  return cloth_take(sim, p, "stretch_largest", sizeof(cloth_real) * (n / 64 + 1),
+  return cloth_take(sim, p, "stretch_largest", sizeof(cloth_real) * (n / 63 + 8),
                     &p->stretch_largest, err);
 }
 

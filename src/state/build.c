@@ -134,7 +134,8 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_reals(sim, p, "partial", sums, CLOTH_PCG_PARTIALS, &p->partial, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
-  CLOTH_TRY(take_reals(sim, p, "box_of_chunk", sim->chunks, 6, &p->box_of_chunk, err));
+  int boxes = sim->chunks + sim->chunks / (CLOTH_CHUNK - 1) + 8; // and chunks of chunks
+  CLOTH_TRY(take_reals(sim, p, "box_of_chunk", boxes, 6, &p->box_of_chunk, err));
   CLOTH_TRY(take_reals(sim, p, "balance", 1, 3, &p->balance, err));
   return take_reals(sim, p, "largest", sim->chunks, 1, &p->largest, err);
 }

@@ -3,6 +3,7 @@
 
 #include "body_vertex.h"
 #include "box_chunk.h"
+#include "box_merge.h"
 #include "chunk.h"
 #include "effect/effect.h"
 #include "state/sim.h"
@@ -44,16 +45,25 @@ void cloth_pose_matrix(const cloth_pose *pose, cloth_real out[12])
 
 // ---- what is near -------------------------------------------------------------------------------
 
+enum { BOXES_READ = 256 }; // more of them are merged on the device first
+
 cloth_status cloth_box_update(cloth_sim *sim, double h, cloth_error *err)
 {
   cloth_part *p = &sim->part[0];
   cloth_box_chunk_args a = {sim->vertex_count, p->x_t0, p->x, p->v, (cloth_real)h, p->box_of_chunk};
   CLOTH_LAUNCH(sim, p, box_chunk, sim->chunks, &a, err);
-  CLOTH_TRY(cloth_staging(sim, 6 * (size_t)sim->chunks, err));
-  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->box_of_chunk,
-                               sizeof(cloth_real) * 6 * (size_t)sim->chunks, err));
+  int n = sim->chunks;
+  cloth_real *box = p->box_of_chunk;
+  while (n > BOXES_READ) {
+    cloth_box_merge_args m = {n, box, box + 6 * n};
+    int chunks = (n + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+    CLOTH_LAUNCH(sim, p, box_merge, chunks, &m, err);
+    box = m.out, n = chunks;
+  }
+  CLOTH_TRY(cloth_staging(sim, 6 * (size_t)n, err));
+  CLOTH_TRY(sim->backend->read(p->device, sim->host, box, sizeof(cloth_real) * 6 * (size_t)n, err));
   sim->cloth_box = cloth_box_load(sim->host, 0);
-  for (int c = 1; c < sim->chunks; c++)
+  for (int c = 1; c < n; c++)
     sim->cloth_box = cloth_box_union(sim->cloth_box, cloth_box_load(sim->host, c));
   return CLOTH_OK;
 }

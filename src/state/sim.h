@@ -104,7 +104,7 @@ typedef struct cloth_part {
   cloth_real *bend_direction, *bend_measured; // [bend.count x 6], [cloths x 15] N m, or NULL
   int *bend_material;                         // [bend.count], or NULL
   cloth_real *bend_constant;                  // [bend.count x 4] of quadratic bending, else NULL
-  cloth_real *stretch, *stretch_largest;      // [membrane.count], [chunks]
+  cloth_real *stretch, *stretch_largest;      // [membrane.count], [chunks, and chunks of them]
 
   // pairs
   int *triangle, *triangle_edge, *owns, *edge, *edge_side;
@@ -182,7 +182,8 @@ typedef struct cloth_part {
   cloth_real *commit, *largest;                     // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
   cloth_real *x_saved, *v_saved; // [n x 3] own rows at the start of the whole step, for going back
   cloth_real *balance;           // [3] m, solve/balance.c
-  cloth_real *box_of_chunk;      // [chunks x 6] m
+  cloth_real *box_of_chunk;      // [chunks x 6] m, and those of chunks of chunks
+
   cloth_event *ready, *sent;
   cloth_event *stage_begin, *stage_end;   // with the parameter `profile`
   cloth_event *launch_begin, *launch_end; // with `profile` 2
@@ -421,6 +422,8 @@ cloth_status cloth_substeps_count(cloth_sim *sim, double h, int *out, cloth_erro
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
 /// sim->cloth_box: of all cloth on its way from x_t0 to x and to x_t0 + h v.
 cloth_status cloth_box_update(cloth_sim *sim, double h, cloth_error *err);
+/// Into the report: the largest stretch of any triangle at x_t0 (state/stretch.c).
+cloth_status cloth_stretch_measure(cloth_sim *sim, cloth_error *err);
 /// After x went elsewhere than predicted: the box anew, and bodies that it now meets become near.
 cloth_status cloth_bodies_join(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are

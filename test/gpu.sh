@@ -10,14 +10,14 @@ set -u
 build=$(cd "$1" && pwd) results=${2:-}
 here=$(cd "$(dirname "$0")" && pwd)
 export LD_LIBRARY_PATH=$build${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH} OMP_WAIT_POLICY=passive
-failed=0
+failed=0 limit=300 # s
 
 program() { [ -x "$build/test/$1" ] && echo "$build/test/$1" || echo "$build/$1"; }
 
 run() { # name, then the command; its output counts as failed if it fails, skips or finds an error
   echo "== $1"
   shift
-  output=$(timeout 300 "$@" 2>&1)
+  output=$(timeout $limit "$@" 2>&1)
   status=$?
   echo "$output" | grep -E "^(ok|FAIL|skip)|ERROR SUMMARY|RACECHECK SUMMARY|differs|\.\.\. (ok|FAIL|ERROR|skip)|RESULT: |check_meshes: " ||
     echo "$output" | tail -5
@@ -25,6 +25,9 @@ run() { # name, then the command; its output counts as failed if it fails, skips
 }
 
 for test in backend_cuda_f32 backend_cuda_f64 engine_determinism engine_mass_spring_bits; do run $test "$(program $test)"; done
+limit=1200 # 10,000 steps of four parts that share a GPU
+run engine_crumple "$(program engine_crumple)"
+limit=300
 
 if command -v compute-sanitizer >/dev/null; then
   scene=$here/../config/scenes/drape_sphere.yaml

@@ -23,8 +23,8 @@
 // a level is there unless the one below spans the cloth already
 static bool level_exists(const cloth_sheet *s, int level)
 {
-  return s->flat && (level == 0 || cloth_flat_level_size(s, level - 1, 0) > CLOTH_FLAT_SPAN ||
-                     cloth_flat_level_size(s, level - 1, 1) > CLOTH_FLAT_SPAN);
+  return s->flat && (level == 0 || cloth_sheet_level_size(s, level - 1, 0) > CLOTH_FLAT_SPAN ||
+                     cloth_sheet_level_size(s, level - 1, 1) > CLOTH_FLAT_SPAN);
 }
 
 static void number_nodes(cloth_sim *sim, cloth_flat_tables *t)
@@ -35,7 +35,7 @@ static void number_nodes(cloth_sim *sim, cloth_flat_tables *t)
     for (int c = 0; c < t->count; c++)
       if (level_exists(&t->sheet[c], l))
         f->nodes +=
-            cloth_flat_level_size(&t->sheet[c], l, 0) * cloth_flat_level_size(&t->sheet[c], l, 1);
+            cloth_sheet_level_size(&t->sheet[c], l, 0) * cloth_sheet_level_size(&t->sheet[c], l, 1);
     if (l == 0) f->tiles = f->nodes;
   }
   f->level_first[CLOTH_FLAT_LEVELS] = f->nodes;
@@ -49,9 +49,9 @@ static int least(int a, int b) { return a < b ? a : b; }
 // one sheet on one level, from node `first` on, out of what starts at node `below`
 static void fill_level(const cloth_sheet *s, cloth_flat_tables *t, int level, int first, int below)
 {
-  int nx = cloth_flat_level_size(s, level, 0), ny = cloth_flat_level_size(s, level, 1);
-  int mx = level > 0 ? cloth_flat_level_size(s, level - 1, 0) : nx;
-  int my = level > 0 ? cloth_flat_level_size(s, level - 1, 1) : ny;
+  int nx = cloth_sheet_level_size(s, level, 0), ny = cloth_sheet_level_size(s, level, 1);
+  int mx = level > 0 ? cloth_sheet_level_size(s, level - 1, 0) : nx;
+  int my = level > 0 ? cloth_sheet_level_size(s, level - 1, 1) : ny;
   for (int y = 0; y < ny; y++)
     for (int x = 0; x < nx; x++) {
       int node = first + y * nx + x;
@@ -77,10 +77,10 @@ static void fill_levels(const cloth_sim *sim, cloth_flat_tables *t)
       int *level = t->level + 2 * (CLOTH_FLAT_LEVELS * c + l);
       level[0] = -1, level[1] = 0;
       if (!level_exists(&t->sheet[c], l)) continue;
-      level[0] = node, level[1] = cloth_flat_level_size(&t->sheet[c], l, 0);
+      level[0] = node, level[1] = cloth_sheet_level_size(&t->sheet[c], l, 0);
       fill_level(&t->sheet[c], t, l, node, below[c]);
       below[c] = node;
-      node += level[1] * cloth_flat_level_size(&t->sheet[c], l, 1);
+      node += level[1] * cloth_sheet_level_size(&t->sheet[c], l, 1);
     }
   }
   free(below);
@@ -152,9 +152,8 @@ static cloth_status upload_nodes(cloth_sim *sim, cloth_part *p, const cloth_flat
 static cloth_status upload_list(cloth_sim *sim, cloth_part *p, int **list, int n, cloth_error *err)
 {
   const int *host = *list;
-  return host == NULL
-             ? CLOTH_OK
-             : cloth_upload(sim, p, "flat_part", host, sizeof(int) * (size_t)n, list, err);
+  return host == NULL ? CLOTH_OK
+                      : cloth_upload(sim, p, "flat_part", host, sizeof(int) * (size_t)n, list, err);
 }
 
 // the tables over what the part judges

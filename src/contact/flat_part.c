@@ -15,7 +15,7 @@ static bool grid_of(const cloth_flat_tables *t, int sheet, int level, unsigned c
 {
   const int *row = t->level + 2 * (CLOTH_FLAT_LEVELS * sheet + level);
   if (!t->sheet[sheet].flat || level >= CLOTH_FLAT_LEVELS || row[0] < 0) return false;
-  *g = (grid){row[0], row[1], cloth_flat_level_size(&t->sheet[sheet], level, 1), mark + row[0]};
+  *g = (grid){row[0], row[1], cloth_sheet_level_size(&t->sheet[sheet], level, 1), mark + row[0]};
   return true;
 }
 
@@ -136,8 +136,8 @@ static cloth_status list_all(const cloth_sim *sim, const cloth_flat_tables *t, u
 }
 
 cloth_status cloth_flat_part_make(const cloth_sim *sim, const cloth_part *part,
-                                   const cloth_flat_tables *t, cloth_flat_lists *out,
-                                   cloth_error *err)
+                                  const cloth_flat_tables *t, cloth_flat_lists *out,
+                                  cloth_error *err)
 {
   *out = (cloth_flat_lists){.share = {.triangles = 0}};
   unsigned char *mark = calloc((size_t)sim->flat.nodes + 1, 1);

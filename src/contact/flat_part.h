@@ -18,12 +18,6 @@ typedef struct cloth_flat_tables {
   double *rest;         // [triangles x 4]
 } cloth_flat_tables;
 
-/// Nodes along an axis of a sheet on a level.
-static inline int cloth_flat_level_size(const cloth_sheet *s, int level, int axis)
-{
-  return (s->size[axis] - 1 + (1 << level)) >> level;
-}
-
 /// A part's share, and the tables of its tiles and triangles, on the host.
 typedef struct cloth_flat_lists {
   cloth_flat_part share;
@@ -33,6 +27,6 @@ typedef struct cloth_flat_lists {
 
 /// CLOTH_NO_MEMORY; free in any case.
 cloth_status cloth_flat_part_make(const cloth_sim *sim, const cloth_part *part,
-                                   const cloth_flat_tables *t, cloth_flat_lists *out,
-                                   cloth_error *err);
+                                  const cloth_flat_tables *t, cloth_flat_lists *out,
+                                  cloth_error *err);
 void cloth_flat_part_free(cloth_flat_lists *lists);

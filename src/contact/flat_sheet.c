@@ -1,15 +1,11 @@
-// Tiles and squares of one cloth that is flat at rest, and which of the squares are convex regions
-// of a single layer, as kernels/physics/flat_patch.h asks. Host only, in double, once at load.
+// Tiles of one cloth that is flat at rest, and what lies in them. Host only, in double, once at
+// load.
 #include "contact/flat_sheet.h"
-
-#include "flat_patch.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-// relative to the tile; a mesh in a plane by its file's digits is in a plane
-#define FLAT_TOLERANCE 1e-4
 // m/m, of a tile; the squares of the first level are to hold two near triangles and little more
 #define TILE_EDGES 1.5
 
@@ -79,7 +75,7 @@ static bool flatten(const cloth_sim *sim, cloth_sheet *s)
     s->height[t - s->first] = twice / sqrt(longest_sq);
     s->mean_edge += sqrt(twice * 2 / sqrt(3.0)) / (s->end - s->first);
   }
-  return off <= FLAT_TOLERANCE * s->mean_edge;
+  return off <= CLOTH_SHEET_TOLERANCE * s->mean_edge;
 }
 
 static int tile_of(double u, int size) { return u < size ? (int)u : size - 1; }
@@ -103,137 +99,33 @@ static void make_tiles(cloth_sheet *s)
     }
 }
 
-// how often a triangle is listed: once in each tile that its box meets
-static double count_listed(const cloth_sheet *s)
+// how often boxes over tiles are listed: once in each tile that they meet. place [n x 4]
+static double count_listed(const int *place, int n)
 {
-  double n = 0;
-  for (int t = 0; t < s->end - s->first; t++) {
-    const int *p = s->place + 4 * t;
-    n += (p[2] - p[0] + 1.0) * (p[3] - p[1] + 1.0);
-  }
-  return n;
+  double listed = 0;
+  for (const int *p = place; p < place + 4 * n; p += 4)
+    listed += (p[2] - p[0] + 1.0) * (p[3] - p[1] + 1.0);
+  return listed;
 }
 
-static void list_tiles(cloth_sheet *s)
+static void list_in_tiles(const cloth_sheet *s, const int *place, int n, int *first, int *list)
 {
   int tiles = s->size[0] * s->size[1];
-  memset(s->tile_first, 0, sizeof(int) * ((size_t)tiles + 2));
-  for (int pass = 0; pass < 2; pass++) { // count, then fill: tile_first[k + 1] walks through tile k
-    for (int t = 0; t < s->end - s->first; t++) {
-      const int *p = s->place + 4 * t;
+  memset(first, 0, sizeof(int) * ((size_t)tiles + 2));
+  for (int pass = 0; pass < 2; pass++) { // count, then fill: first[k + 1] walks through tile k
+    for (int i = 0; i < n; i++) {
+      const int *p = place + 4 * i;
       for (int y = p[1]; y <= p[3]; y++)
         for (int x = p[0]; x <= p[2]; x++) {
           int tile = x + s->size[0] * y;
           if (pass == 0)
-            s->tile_first[tile + 2]++;
+            first[tile + 2]++;
           else
-            s->tile_list[s->tile_first[tile + 1]++] = t;
+            list[first[tile + 1]++] = i;
         }
     }
-    for (int i = 0; pass == 0 && i <= tiles; i++) s->tile_first[i + 1] += s->tile_first[i];
+    for (int i = 0; pass == 0 && i <= tiles; i++) first[i + 1] += first[i];
   }
-}
-
-// ---- squares ------------------------------------------------------------------------------------
-
-// the triangles that reach into a square, tile by tile
-typedef struct square {
-  int lo[2], hi[2]; // tiles, hi not included
-} square;
-
-// twice the area of (a, b, p): positive where p is on the left of a b
-static double side(const double *a, const double *b, const double *p)
-{
-  return (b[0] - a[0]) * (p[1] - a[1]) - (p[0] - a[0]) * (b[1] - a[1]);
-}
-
-// calls `ok` once for each triangle that reaches into the square; false as soon as one says no
-static bool all_of(const cloth_sheet *s, const square *q,
-                   bool (*ok)(const cloth_sheet *s, int t, void *data), void *data)
-{
-  for (int y = q->lo[1]; y < q->hi[1] && y < s->size[1]; y++)
-    for (int x = q->lo[0]; x < q->hi[0] && x < s->size[0]; x++) {
-      int tile = x + s->size[0] * y;
-      for (int n = s->tile_first[tile]; n < s->tile_first[tile + 1]; n++) {
-        const int *p = s->place + 4 * s->tile_list[n]; // its first tile in the square answers
-        bool first = (x == p[0] || (x == q->lo[0] && p[0] < x)) &&
-                     (y == p[1] || (y == q->lo[1] && p[1] < y));
-        if (first && !ok(s, s->tile_list[n], data)) return false;
-      }
-    }
-  return true;
-}
-
-static bool on_left(const cloth_sheet *s, int t, void *data)
-{
-  const double *edge = data, *u = s->corner + 6 * t;
-  for (int k = 0; k < 3; k++)
-    if (!(side(edge, edge + 2, u + 2 * k) >= -FLAT_TOLERANCE)) return false;
-  return true;
-}
-
-typedef struct witness {
-  const square *in;
-  double point[2];
-  int found;
-} witness;
-
-// the centre of some triangle, if it is inside the square
-static bool look_for_point(const cloth_sheet *s, int t, void *data)
-{
-  witness *w = data;
-  const double *u = s->corner + 6 * t;
-  for (int k = 0; k < 2; k++) {
-    w->point[k] = (u[k] + u[2 + k] + u[4 + k]) / 3;
-    if (!(w->point[k] > w->in->lo[k] && w->point[k] < w->in->hi[k])) return true;
-  }
-  w->found = 1;
-  return false; // enough
-}
-
-static bool count_layer(const cloth_sheet *s, int t, void *data)
-{
-  witness *w = data;
-  const double *u = s->corner + 6 * t;
-  for (int k = 0; k < 3; k++)
-    if (!(side(u + 2 * k, u + 2 * ((k + 1) % 3), w->point) >= 0)) return true;
-  return ++w->found <= 1;
-}
-
-// Is the cloth in the square one layer over a convex region? No border of it may cut a line between
-// two of its points: borders in the square have all of it on their left. Then a line that starts on
-// the cloth stays on it, every point is under equally many layers, and one point tells how many.
-static bool is_convex_layer(const cloth_sheet *s, const square *q)
-{
-  for (int b = 0; b < s->border_count; b++) {
-    double *edge = s->border + 4 * b;
-    bool out = false;
-    for (int k = 0; k < 2; k++)
-      out |= !(fmin(edge[k], edge[2 + k]) < q->hi[k] && fmax(edge[k], edge[2 + k]) > q->lo[k]);
-    if (!out && !all_of(s, q, on_left, edge)) return false;
-  }
-  witness w = {.in = q};
-  all_of(s, q, look_for_point, &w);
-  if (!w.found) return false;
-  w.found = 0;
-  return all_of(s, q, count_layer, &w);
-}
-
-static bool lower(const cloth_sheet *s, int t, void *data)
-{
-  double *height = data;
-  *height = fmin(*height, s->height[t]);
-  return true;
-}
-
-double cloth_sheet_square_height(const cloth_sheet *s, int level, int x, int y)
-{
-  square q = {{x << level, y << level},
-              {(x + CLOTH_FLAT_SPAN) << level, (y + CLOTH_FLAT_SPAN) << level}};
-  double height = HUGE_VAL;
-  if (!is_convex_layer(s, &q)) return 0;
-  all_of(s, &q, lower, &height);
-  return height;
 }
 
 // ---- life ---------------------------------------------------------------------------------------
@@ -251,10 +143,29 @@ static void list_border(const cloth_sim *sim, cloth_sheet *s)
     }
 }
 
+static cloth_status list_borders_in_tiles(cloth_sheet *s, cloth_error *err)
+{
+  int n = s->border_count, *place = malloc(sizeof(int) * 4 * ((size_t)n + 1));
+  for (int i = 0; place != NULL && i < 4 * n; i++) { // least x y, largest x y
+    const double *edge = s->border + 4 * (i / 4);
+    int k = i % 2;
+    double u = i % 4 < 2 ? fmin(edge[k], edge[2 + k]) : fmax(edge[k], edge[2 + k]);
+    place[i] = tile_of(u, s->size[k]);
+  }
+  s->border_first = malloc(sizeof(int) * ((size_t)s->size[0] * (size_t)s->size[1] + 2));
+  if (place != NULL) s->border_list = malloc(sizeof(int) * ((size_t)count_listed(place, n) + 1));
+  bool there = s->border_first && s->border_list;
+  if (there) list_in_tiles(s, place, n, s->border_first, s->border_list);
+  free(place);
+  if (!there) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "sheet of %d border edges", n);
+  return CLOTH_OK;
+}
+
 void cloth_sheet_free(cloth_sheet *s)
 {
   free(s->corner), free(s->height), free(s->border), free(s->place), free(s->tile_first),
-      free(s->tile_list);
+      free(s->tile_list), free(s->border_first), free(s->border_list);
+  for (int l = 0; l < CLOTH_FLAT_LEVELS; l++) free(s->node[l]);
 }
 
 cloth_status cloth_sheet_make(const cloth_sim *sim, int cloth, cloth_sheet *s, cloth_error *err)
@@ -269,14 +180,16 @@ cloth_status cloth_sheet_make(const cloth_sim *sim, int cloth, cloth_sheet *s, c
   if (n == 0 || !flatten(sim, s)) return CLOTH_OK;
   make_tiles(s);
   // a slanted strip, scraps far from each other, triangles of very different size
-  double listed = count_listed(s), tiles = (double)s->size[0] * s->size[1];
+  double listed = count_listed(s->place, (int)n), tiles = (double)s->size[0] * s->size[1];
   if (tiles > 4 * (double)n + 64 || listed > 16 * (double)n + 64) return CLOTH_OK;
   s->tile_first = malloc(sizeof(int) * ((size_t)tiles + 2));
   s->tile_list = malloc(sizeof(int) * ((size_t)listed + 1));
   if (!s->tile_first || !s->tile_list)
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "sheet of %zu triangles", n);
-  list_tiles(s);
+  list_in_tiles(s, s->place, (int)n, s->tile_first, s->tile_list);
   list_border(sim, s);
+  CLOTH_TRY(list_borders_in_tiles(s, err));
+  CLOTH_TRY(cloth_sheet_pyramid(s, err));
   s->flat = true;
   return CLOTH_OK;
 }

@@ -139,6 +139,19 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
   if (threadIdx.x == 0) a.largest[i] = v;
 }
 
+// the union over a warp, in its first lane
+__device__ cloth_box warp_box(cloth_box b)
+{
+  for (int width = CLOTH_WARP / 2; width > 0; width /= 2) {
+    cloth_box other;
+    const cloth_real *mine = &b.lo.x;
+    cloth_real *theirs = &other.lo.x;
+    for (int k = 0; k < 6; k++) theirs[k] = __shfl_down_sync(0xffffffffu, mine[k], (unsigned)width);
+    b = cloth_box_union(b, other);
+  }
+  return b;
+}
+
 __global__ void __launch_bounds__(CLOTH_WARP)
     box_kernel(const __grid_constant__ cloth_box_chunk_args a)
 {
@@ -148,14 +161,21 @@ __global__ void __launch_bounds__(CLOTH_WARP)
   cloth_box b = cloth_box_of_way(&a, v);
   v += CLOTH_WARP;
   if (v < end) b = cloth_box_union(b, cloth_box_of_way(&a, v));
-  for (int width = CLOTH_WARP / 2; width > 0; width /= 2) {
-    cloth_box other;
-    const cloth_real *mine = &b.lo.x;
-    cloth_real *theirs = &other.lo.x;
-    for (int k = 0; k < 6; k++) theirs[k] = __shfl_down_sync(0xffffffffu, mine[k], (unsigned)width);
-    b = cloth_box_union(b, other);
-  }
+  b = warp_box(b);
   if (threadIdx.x == 0) cloth_box_store(a.box, i, b);
+}
+
+__global__ void __launch_bounds__(CLOTH_WARP)
+    merge_kernel(const __grid_constant__ cloth_box_merge_args a)
+{
+  int i = (int)blockIdx.x, begin = i * CLOTH_CHUNK, end = cloth_chunk_end(0, a.count, i);
+  int k = begin + (int)threadIdx.x;
+  if (k >= end) k = begin;
+  cloth_box b = cloth_box_load(a.box, k);
+  k += CLOTH_WARP;
+  if (k < end) b = cloth_box_union(b, cloth_box_load(a.box, k));
+  b = warp_box(b);
+  if (threadIdx.x == 0) cloth_box_store(a.out, i, b);
 }
 
 // ---- all chunks by one block --------------------------------------------------------------------
@@ -390,6 +410,7 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     CHUNKS(correct, correct_kernel);
     CHUNKS(reduce_max, max_kernel);
     BLOCKS(box_chunk, box_kernel, CLOTH_WARP);
+    BLOCKS(box_merge, merge_kernel, CLOTH_WARP);
     BLOCKS(pcg_alpha, alpha_kernel, CLOTH_PCG_LANES);
     BLOCKS(pcg_beta, beta_kernel, CLOTH_PCG_LANES);
     BLOCKS(pcg_finish, finish_kernel, CLOTH_PCG_LANES);

@@ -17,6 +17,7 @@
 #include "cell_count.h"
 #include "cell_fill.h"
 #include "cell_mark.h"
+#include "chunk_near.h"
 #include "coarse_chunk.h"
 #include "coarse_factor.h"
 #include "coarse_inverse.h"

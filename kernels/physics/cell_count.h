@@ -6,6 +6,7 @@
 
 #include "atomic.h"
 #include "cell_mark.h"
+#include "chunk.h"
 #include "grid.h"
 
 typedef struct cloth_cell_count_args {
@@ -20,6 +21,7 @@ typedef struct cloth_cell_count_args {
   uint32_t *large_count;    // [1] counts up
   uint32_t *vast_count;     // [1] counts up
   cloth_cell_marks mark;
+  const unsigned char *near; // [chunks of cloth triangles] 0: covers none; NULL: all may
 } cloth_cell_count_args;
 
 CLOTH_FN int cloth_active_triangle(int i, int cloth_triangles, const int *body_triangle)
@@ -39,6 +41,10 @@ CLOTH_FN uint32_t cloth_cells_marked(const cloth_cell_count_args *a, const cloth
 
 CLOTH_FN void cloth_cell_count(int i, const cloth_cell_count_args *a)
 {
+  if (a->near && i < a->cloth_triangles && !a->near[i / CLOTH_CHUNK]) {
+    a->count[i] = 0;
+    return;
+  }
   int t = cloth_active_triangle(i, a->cloth_triangles, a->body_triangle);
   cloth_box box = cloth_box_load(a->box, t);
   cloth_cells c = cloth_grid_cells(&a->grid, box, a->gap);

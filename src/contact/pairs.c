@@ -6,9 +6,9 @@
 
 #include "cell_count.h"
 #include "cell_fill.h"
-#include "cell_mark.h"
 #include "chunk.h"
 #include "contact/flat.h"
+#include "contact/ghosts.h"
 #include "effect/effect.h"
 #include "entry_work.h"
 #include "pair_large.h"
@@ -23,7 +23,6 @@
 enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS };      // places in part->counter
 enum { COUNT_VAST = COUNT_PAIRS };                     // until pairs are counted
 enum { ENTRIES_USUAL = 64, ENTRIES_ALWAYS = 1 << 16 }; // cells for each triangle, and for all
-enum { MARK_BITS_MIN = 10, MARK_BITS_MAX = 27, MARKS_EACH = 8 }; // cell_mark.h; for a triangle
 
 cloth_status cloth_count_read(cloth_sim *sim, cloth_part *part, int place, uint32_t *out,
                               cloth_error *err)
@@ -76,6 +75,7 @@ cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err
 
 // ---- regions ------------------------------------------------------------------------------------
 
+// of all vertices, and of the triangles of bodies; those of cloth come when ghosts are known
 static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, cloth_error *err)
 {
   cloth_vertex_box_args v = {0,
@@ -85,9 +85,8 @@ static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, clot
                              (cloth_real)sim->h,
                              (cloth_real)slack,
                              p->vertex_box};
-  cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, p->triangle_box};
+  cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, NULL, p->triangle_box};
   CLOTH_LAUNCH(sim, p, vertex_box, sim->vertex_count, &v, err);
-  CLOTH_LAUNCH(sim, p, triangle_box, sim->triangle_count, &t, err);
   for (int b = 0; b < sim->def->body_count; b++) {
     if (!sim->body[b].near) continue;
     v.v = NULL, v.first = sim->body[b].vertex_first, t.first = sim->body[b].triangle_first;
@@ -170,30 +169,6 @@ static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cl
   return CLOTH_OK;
 }
 
-static cloth_cell_marks marks_of(const cloth_part *p)
-{
-  return (cloth_cell_marks){p->cell_mark, p->cell_mark_bits};
-}
-
-// one part owns everything: all cells are its own
-static cloth_status mark_cells(cloth_sim *sim, cloth_part *p, const hash *h, cloth_error *err)
-{
-  if (sim->part_count == 1) return CLOTH_OK;
-  if (p->cell_mark == NULL) {
-    while (p->cell_mark_bits < MARK_BITS_MAX &&
-           (int64_t)1 << p->cell_mark_bits < MARKS_EACH * (int64_t)sim->triangle_count)
-      p->cell_mark_bits++;
-    if (p->cell_mark_bits < MARK_BITS_MIN) p->cell_mark_bits = MARK_BITS_MIN;
-    CLOTH_TRY(
-        cloth_take(sim, p, "cell_mark", (size_t)1 << (p->cell_mark_bits - 3), &p->cell_mark, err));
-  }
-  CLOTH_TRY(
-      sim->backend->fill(p->device, p->cell_mark, 0, (size_t)1 << (p->cell_mark_bits - 3), err));
-  cloth_cell_mark_args a = {h->grid,     (cloth_real)(h->gap / 2), p->v0,      p->v1,
-                            p->triangle, p->triangle_box,          marks_of(p)};
-  return cloth_launch(sim, p, CLOTH_KERNEL_cell_mark, sim->triangle_count, &a, err);
-}
-
 static cloth_status grow_active(cloth_sim *sim, cloth_part *p, size_t active, cloth_error *err)
 {
   if (active <= p->active_capacity) return CLOTH_OK;
@@ -208,7 +183,9 @@ static cloth_status grow_active(cloth_sim *sim, cloth_part *p, size_t active, cl
 static cloth_status count_cells(cloth_sim *sim, cloth_part *p, const hash *h, cloth_error *err)
 {
   CLOTH_TRY(grow_active(sim, p, (size_t)h->active, err));
-  CLOTH_TRY(mark_cells(sim, p, h, err));
+  CLOTH_TRY(cloth_ghosts_find(sim, p, &h->grid, h->gap / 2, err));
+  cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, p->ghost_near, p->triangle_box};
+  CLOTH_LAUNCH(sim, p, triangle_box, sim->triangle_count, &t, err);
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LARGE, 2, err));
   cloth_cell_count_args count = {.grid = h->grid,
                                  .gap = (cloth_real)(h->gap / 2),
@@ -219,7 +196,8 @@ static cloth_status count_cells(cloth_sim *sim, cloth_part *p, const hash *h, cl
                                  .large = p->large,
                                  .large_count = p->counter + COUNT_LARGE,
                                  .vast_count = p->counter + COUNT_VAST,
-                                 .mark = marks_of(p)};
+                                 .mark = cloth_ghosts_marks(p),
+                                 .near = p->ghost_near};
   cloth_box all = cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, (cloth_real)h->slack);
   cloth_box_store(count.cloth_box, 0, all);
   CLOTH_LAUNCH(sim, p, cell_count, h->active, &count, err);
@@ -258,7 +236,7 @@ static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
                                .first = p->cells,
                                .cell = p->cell_key,
                                .triangle = p->cell_triangle,
-                               .mark = marks_of(p)};
+                               .mark = cloth_ghosts_marks(p)};
   CLOTH_LAUNCH(sim, p, cell_fill, h->active, &fill, err);
   return sim->backend->sort(p->device, h->entries, key_bits(&h->grid), p->cell_key,
                             p->cell_triangle, p->cell_key_spare, p->cell_triangle_spare, err);
@@ -290,7 +268,7 @@ static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
                                  p->work};
   CLOTH_LAUNCH(sim, p, pair_share, (h->units + CLOTH_SHARE - 1) / CLOTH_SHARE, &share, err);
   int chunks = (sim->triangle_count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
-  cloth_pair_large_args large = {h->mesh, chunks, p->large};
+  cloth_pair_large_args large = {h->mesh, chunks, p->large, p->ghost_near};
   CLOTH_LAUNCH(sim, p, pair_large, h->large * chunks, &large, err);
   return CLOTH_OK;
 }

@@ -4,6 +4,7 @@
 #include "chunk.h"
 #include "commit_chunk.h"
 #include "contact/flat.h"
+#include "contact/ghosts.h"
 #include "effect/bend_rest.h"
 #include "effect/effect.h"
 #include "impact_find.h"
@@ -316,6 +317,7 @@ static cloth_status build(const cloth_def *def, const cloth_backend *backend, co
   for (int p = 0; p < sim->part_count; p++)
     CLOTH_TRY_GOTO(build_part(sim, &sim->part[p], err), status, fail);
   CLOTH_TRY_GOTO(cloth_flat_build(sim, err), status, fail);
+  CLOTH_TRY_GOTO(cloth_ghosts_build(sim, err), status, fail);
   int pinned = 0;
   for (int i = 0; i < def->pin_count; i++)
     pinned += def->cloth[def->pin[i].cloth].group[def->pin[i].group].count;

@@ -115,8 +115,12 @@ typedef struct cloth_part {
   uint32_t *cells;                       // [active + 1]
   uint64_t *cell_key, *cell_key_spare;
   uint32_t *cell_triangle, *cell_triangle_spare, *work, *large;
+  // ghosts, with several parts: contact/ghosts.h
   uint32_t *cell_mark; // [2^cell_mark_bits / 32] cell_mark.h; NULL with one part
   int cell_mark_bits;
+  int *ghost_first, *ghost_list; // chunk_near.h
+  unsigned char *ghost_near;     // [chunks of triangles]
+  cloth_real *ghost_box;         // [chunks x 6] m
   uint64_t *pair;
   uint32_t *counter; // [8] small counts that the host reads
   uint32_t cell_capacity, pair_capacity, active_capacity;

@@ -158,7 +158,11 @@ const char *cloth_backend_why(const cloth_scene *scene);
 /// report  nullable; filled also when a solve did not converge or contacts remain: those are results
 ///
 /// Positive status (CLOTH_UNSTABLE: not finite, or out of bounds, after step_halvings_max halvings;
-/// CLOTH_BAD_ARGUMENT): the state is that of before the call. Negative: the scene is lost.
+/// CLOTH_BAD_ARGUMENT): the state is that of before the call. Negative: the scene can only be freed,
+/// after cloth_positions(), cloth_velocities() and cloth_state_save() have given its last state,
+/// that before the call. Where a device is lost, another's is given: of the last whole substep,
+/// without what friction remembered on the lost one; with none left they fail with
+/// CLOTH_DEVICE_LOST.
 cloth_status cloth_step(cloth_scene *scene, double h, cloth_step_report *report, cloth_error *err);
 
 /// What a time budget chooses (parameter time_budget, doc/budget.md), for one step.

@@ -334,6 +334,27 @@ static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
   return cloth_friction_save(sim, back, err);
 }
 
+// the state before the step; bodies and holds stay where they were
+static cloth_status go_back(cloth_sim *sim, cloth_error *err)
+{
+  CLOTH_TRY(save_start(sim, true, err));
+  sim->pairs_valid = false;
+  cloth_tangles_suspect(sim);
+  for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
+  for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;
+  return CLOTH_OK;
+}
+
+// A device is lost or full. While all answer, the state is that before the step; rows of a lost one
+// cannot go back, so then it is that after the last whole substep.
+static void rescue(cloth_sim *sim)
+{
+  cloth_error ignored = {0};
+  bool started = sim->report->substeps > 0, all = cloth_rescue_probe(sim);
+  if (started) cloth_guess_free_fall(sim);
+  if (!all || go_back(sim, &ignored) != CLOTH_OK) sim->time = started ? sim->time_t0 : sim->time;
+}
+
 // the whole step by the integrator of the scene
 static cloth_status integrate(cloth_sim *sim, double h, cloth_outcome *result, cloth_error *err)
 {
@@ -402,13 +423,12 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   CLOTH_TRY(cloth_pins_update(sim, sim->time + h, err));
   place_teleports(sim);
   CLOTH_TRY(save_start(sim, false, err));
-  CLOTH_TRY(integrate(sim, h, &result, err));
+  cloth_status status = integrate(sim, h, &result, err);
+  if (status < 0) rescue(sim);
+  CLOTH_TRY(status);
   if (result == OUTCOME_UNSTABLE) {
     cloth_guess_free_fall(sim);
-    CLOTH_TRY(save_start(sim, true, err));
-    cloth_tangles_suspect(sim);
-    for (int b = 0; b < sim->def->body_count; b++) sim->body[b].target = sim->body[b].now;
-    for (int i = 0; i < sim->hold_count; i++) sim->hold[i].target = sim->hold[i].now;
+    CLOTH_TRY(go_back(sim, err));
     CLOTH_FAIL(err, CLOTH_UNSTABLE,
                "step %lld at %g s: a vertex left the bounds (%g m) or is not finite, also in "
                "substeps of %g s; the state is that before the step",

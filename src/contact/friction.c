@@ -215,7 +215,8 @@ cloth_status cloth_friction_read(cloth_sim *sim, cloth_friction_entry **out, int
   if (!key || !slip || !*out)
     status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "friction: %zu contacts", all);
   for (int i = 0; i < sim->part_count && status == CLOTH_OK; i++)
-    status = read_part(sim, &sim->part[i], key, slip, *out, count, err);
+    if (!sim->part[i].lost) // what it remembered is gone with it
+      status = read_part(sim, &sim->part[i], key, slip, *out, count, err);
   free(key), free(slip);
   if (status != CLOTH_OK) {
     free(*out);

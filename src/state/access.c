@@ -9,12 +9,15 @@
 
 double cloth_sim_time(const void *sim) { return ((const cloth_sim *)sim)->time; }
 
-static cloth_status read_vector(cloth_sim *sim, const cloth_real *vector, int cloth, double *out,
+static cloth_status read_vector(cloth_sim *sim, size_t field, int cloth, double *out,
                                 cloth_error *err)
 {
+  const cloth_part *part = cloth_rescue_part(sim);
+  cloth_real *vector;
+  memcpy(&vector, (const char *)part + field, sizeof vector);
   int first = sim->cloth_first[cloth], n = sim->cloth_first[cloth + 1] - first;
   CLOTH_TRY(cloth_staging(sim, 3 * (size_t)n, err));
-  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, vector + 3 * first,
+  CLOTH_TRY(sim->backend->read(part->device, sim->host, vector + 3 * first,
                                sizeof(cloth_real) * 3 * (size_t)n, err));
   for (int i = 0; i < n; i++)
     for (int k = 0; k < 3; k++) out[3 * sim->order[first + i] + k] = (double)sim->host[3 * i + k];
@@ -23,12 +26,12 @@ static cloth_status read_vector(cloth_sim *sim, const cloth_real *vector, int cl
 
 cloth_status cloth_sim_positions(void *data, int cloth, double *out, cloth_error *err)
 {
-  return read_vector(data, ((cloth_sim *)data)->part[0].x_t0, cloth, out, err);
+  return read_vector(data, offsetof(cloth_part, x_t0), cloth, out, err);
 }
 
 cloth_status cloth_sim_velocities(void *data, int cloth, double *out, cloth_error *err)
 {
-  return read_vector(data, ((cloth_sim *)data)->part[0].v, cloth, out, err);
+  return read_vector(data, offsetof(cloth_part, v), cloth, out, err);
 }
 
 cloth_status cloth_sim_held(const void *data, int cloth, uint8_t *out, cloth_error *err)

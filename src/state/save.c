@@ -55,7 +55,7 @@ static uint64_t mesh_digest(const cloth_sim *sim)
 static cloth_status read_state(cloth_sim *sim, cloth_real **x, cloth_error *err)
 {
   size_t n = 3 * (size_t)sim->vertex_count;
-  const cloth_part *p = &sim->part[0];
+  const cloth_part *p = cloth_rescue_part(sim);
   const cloth_real *vector[] = {p->x_t0, p->v, p->x_last, p->v_last};
   int count = sim->bdf2.known ? 4 : 2;
   CLOTH_TRY(cloth_staging(sim, (size_t)count * n, err));

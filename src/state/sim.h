@@ -62,6 +62,7 @@ typedef struct cloth_elements {
 typedef struct cloth_part {
   cloth_device *device;
   int index;
+  bool lost;          // its device answers no more (state/rescue.c)
   int v0, v1;         // owned vertices
   cloth_block *block; // every allocation, for freeing and accounting
   int block_count, block_capacity;
@@ -426,6 +427,10 @@ cloth_status cloth_substeps_count(cloth_sim *sim, double h, int *out, cloth_erro
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err);
 /// sim->cloth_box: of all cloth on its way from x_t0 to x and to x_t0 + h v.
 cloth_status cloth_box_update(cloth_sim *sim, double h, cloth_error *err);
+/// After a step that failed for good: which devices still answer? true: all.
+bool cloth_rescue_probe(cloth_sim *sim);
+/// A part whose device answers; it holds the whole cloth.
+cloth_part *cloth_rescue_part(cloth_sim *sim);
 /// Into the report: the largest stretch of any triangle at x_t0 (state/stretch.c).
 cloth_status cloth_stretch_measure(cloth_sim *sim, cloth_error *err);
 /// After x went elsewhere than predicted: the box anew, and bodies that it now meets become near.

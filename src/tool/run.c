@@ -256,6 +256,20 @@ done:
   return status;
 }
 
+// a device was lost or full: what another still holds goes into the output folder
+static void save_last(const tool_arguments *args, const run *r)
+{
+  const char *dir = tool_text(args, "out");
+  cloth_error why = {0};
+  char path[4096];
+  if (dir == NULL || (size_t)snprintf(path, sizeof path, "%s/last.state", dir) >= sizeof path)
+    return;
+  if (cloth_state_save(r->scene, path, &why) == CLOTH_OK)
+    fprintf(stderr, "cloth run: the last state, at %g s, is in %s\n", cloth_time(r->scene), path);
+  else
+    fprintf(stderr, "cloth run: the last state cannot be saved: %s\n", why.text);
+}
+
 static int run_main(const tool_arguments *args, cloth_error *err)
 {
   run r = {0};
@@ -266,6 +280,7 @@ static int run_main(const tool_arguments *args, cloth_error *err)
   } else {
     catch_signals();
     status = run_steps(&r, err);
+    if (status < 0) save_last(args, &r);
     code = run_end(&r, status);
     if (tool_has(args, "record") && status >= 0 && cloth_record_stop(r.scene, err) != CLOTH_OK)
       code = TOOL_FAILED;

@@ -314,9 +314,11 @@ static int search_all(cloth_sim *sim)
   int n = 0, unique = 0;
   search(sim);
   for (int p = 0; p < sim->part_count; p++) {
-    if (n + sim->part[p].pair_count > MOST) abort();
-    memcpy(found + n, sim->part[p].pair, sizeof *found * (size_t)sim->part[p].pair_count);
-    n += sim->part[p].pair_count;
+    const cloth_part *part = &sim->part[p];
+    if (n + part->pair_count > MOST) abort();
+    if (part->pair_count == 0) continue; // there may be no list yet
+    memcpy(found + n, part->pair, sizeof *found * (size_t)part->pair_count);
+    n += part->pair_count;
   }
   qsort(found, (size_t)n, sizeof *found, compare);
   for (int i = 0; i < n; i++)

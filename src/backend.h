@@ -82,6 +82,10 @@ typedef struct cloth_backend {
 
   // Block until both queues are empty.
   cloth_status (*finish)(cloth_device *device, cloth_error *err);
+
+  // NULL where memory is the host's. For libraries that work on device memory: COMPUTE as a
+  // cudaStream_t, and CUDA's number of the device.
+  void *(*stream)(cloth_device *device, int *ordinal);
 } cloth_backend;
 
 /// The plain CPU: every call runs at once, element loops in parallel with OpenMP.

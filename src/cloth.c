@@ -1,6 +1,7 @@
 // The public interface: checks arguments, calls the engine of the scene's precision, and tells the
 // recorder. What a function means is said in cloth.h.
 #include "front.h"
+#include "processes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -52,12 +53,15 @@ cloth_status cloth_scene_new(const cloth_def *def, cloth_scene **out, cloth_erro
   cloth_scene *s = calloc(1, sizeof *s);
   if (s == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "scene");
   cloth_status status;
+  cloth_transport *transport = NULL;
   s->engine = strcmp(def->precision, "float") == 0 ? &cloth_engine_f32 : &cloth_engine_f64;
   s->fresh = true;
   cloth_budget_reset(&s->budget);
   CLOTH_TRY_GOTO(cloth_def_clone(def, &s->def, err), status, fail);
   CLOTH_TRY_GOTO(rest_positions(s, err), status, fail);
-  CLOTH_TRY_GOTO(s->engine->create(s->def, &s->sim, err), status, fail);
+  if (def->devices_are_processes)
+    CLOTH_TRY_GOTO(cloth_processes_join(&transport, err), status, fail);
+  CLOTH_TRY_GOTO(s->engine->create(s->def, transport, &s->sim, err), status, fail);
   *out = s;
   return CLOTH_OK;
 fail:

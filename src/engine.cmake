@@ -5,7 +5,7 @@ pkg_check_modules(YAML REQUIRED IMPORTED_TARGET yaml-0.1)
 
 file(GLOB CLOTH_HOST_SOURCES CONFIGURE_DEPENDS src/*.c src/scene/*.c src/links/*.c src/geometry/*.c)
 file(GLOB CLOTH_ENGINE_SOURCES CONFIGURE_DEPENDS src/engine/*.c src/state/*.c src/effect/*.c
-     src/contact/*.c src/solve/*.c src/ccd/*.c src/spring/*.c kernels/cpu/*.c)
+     src/contact/*.c src/solve/*.c src/ccd/*.c src/spring/*.c src/transport/*.c kernels/cpu/*.c)
 list(REMOVE_ITEM CLOTH_HOST_SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/src/step.c)
 list(APPEND CLOTH_ENGINE_SOURCES src/step.c)
 if(NOT CLOTH_CUDA_FOUND)
@@ -77,6 +77,6 @@ file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/generated/presets.inl CONTENT "
 add_library(cloth SHARED ${CLOTH_HOST_SOURCES})
 target_include_directories(cloth PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated)
 cloth_c_target(cloth)
-target_link_libraries(cloth PRIVATE cloth_f32 cloth_f64 PkgConfig::YAML OpenMP::OpenMP_C m)
+target_link_libraries(cloth PRIVATE cloth_f32 cloth_f64 PkgConfig::YAML OpenMP::OpenMP_C m ${CMAKE_DL_LIBS})
 target_include_directories(cloth INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>
                            $<INSTALL_INTERFACE:include>)

@@ -160,9 +160,9 @@ void cloth_record_reset(cloth_recorder *r)
 
 // ---- open, close -------------------------------------------------------------------------------
 
-static cloth_status put_heading(cloth_recorder *r, const cloth_record_subject *s, cloth_error *err)
+static cloth_status put_heading(cloth_recorder *r, const cloth_record_subject *s, uint64_t hash,
+                                cloth_error *err)
 {
-  uint64_t hash;
   put(r, "%s\n", CLOTH_RECORD_VERSION);
   put(r, "precision %s\n", s->precision);
   for (int i = 0; i < cloth_record_line_count(s); i++) {
@@ -184,7 +184,6 @@ static cloth_status put_heading(cloth_recorder *r, const cloth_record_subject *s
     CLOTH_TRY(cloth_state_save(s->scene, path, err));
     put(r, "load %s\n", file_name(path));
   }
-  CLOTH_TRY(cloth_state_hash(s->scene, &hash, err));
   put(r, "start %016" PRIx64 "\n", hash);
   return CLOTH_OK;
 }
@@ -200,6 +199,8 @@ cloth_status cloth_recorder_open(const cloth_record_subject *subject, const char
                                  cloth_recorder **out, cloth_error *err)
 {
   cloth_status status = CLOTH_OK;
+  uint64_t hash; // first: several processes take part in it, whatever becomes of the file
+  CLOTH_TRY(cloth_state_hash(subject->scene, &hash, err));
   bool existed = access(path, F_OK) == 0;
   *out = NULL;
   cloth_recorder *r = calloc(1, sizeof *r);
@@ -215,7 +216,7 @@ cloth_status cloth_recorder_open(const cloth_record_subject *subject, const char
     recorder_free(r);
     return status;
   }
-  status = put_heading(r, subject, err);
+  status = put_heading(r, subject, hash, err);
   if (status == CLOTH_OK && (!r->file || fflush(r->file) != 0))
     status = cloth_fail(err, CLOTH_IO, __FILE__, __LINE__, "cannot write the recording %s: %s",
                         path, strerror(r->file ? errno : r->cause));

@@ -215,6 +215,12 @@ cloth_status elapsed(const cloth_event *from, const cloth_event *to, double *ms,
   return CLOTH_OK;
 }
 
+void *stream_of(cloth_device *d, int *ordinal)
+{
+  *ordinal = d->index;
+  return d->stream[CLOTH_COMPUTE];
+}
+
 cloth_status finish(cloth_device *d, cloth_error *err)
 {
   CUDA_TRY(err, cudaSetDevice(d->index));
@@ -262,7 +268,7 @@ extern "C" const cloth_backend *cloth_backend_cuda(void)
     b.sort = cloth_cuda_sort, b.scan = cloth_cuda_scan;
     b.event_new = event_new, b.event_free = event_free;
     b.record = record, b.wait = wait, b.elapsed = elapsed;
-    b.finish = finish;
+    b.finish = finish, b.stream = stream_of;
     return b;
   }();
   return &backend;

@@ -4,10 +4,13 @@
 #pragma once
 
 #include "scene/def.h"
+#include "transport.h"
 
 typedef struct cloth_engine {
-  const char *precision;                                                      // "float", "double"
-  cloth_status (*create)(const cloth_def *def, void **out, cloth_error *err); // borrows def
+  const char *precision; // "float", "double"
+  // Borrows def; transport NULL: all devices are this process's.
+  cloth_status (*create)(const cloth_def *def, cloth_transport *transport, void **out,
+                         cloth_error *err);
   void (*destroy)(void *sim);
   const char *(*backend)(const void *sim);
   const char *(*backend_why)(const void *sim);

@@ -91,6 +91,7 @@ struct cloth_def {
   char precision[8];             // "float", "double"
   int device_count;              // parts; at least 1
   bool devices_are_cpu;          // one was named "cpu"
+  bool devices_are_processes;    // "mpi": one part for each process that mpirun started
   int device[CLOTH_DEVICES_MAX]; // backend's index of each part's device
   struct {
     char name[32];

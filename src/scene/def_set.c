@@ -21,10 +21,13 @@ static cloth_status set_word(char *out, size_t size, const char *name, const cha
              value, list, best);
 }
 
-// "cpu,cpu,cpu" are the devices 0, 1, 2 of the CPU backend; "0,0,1" names them
+// "cpu,cpu,cpu" are the devices 0, 1, 2 of the CPU backend; "0,0,1" names them; "mpi" is one for
+// each process
 static cloth_status set_devices(cloth_def *def, const char *value, cloth_error *err)
 {
   int device[CLOTH_DEVICES_MAX], count = 0, cpus = 0;
+  bool processes = strcmp(value, "mpi") == 0;
+  if (processes) value = "0";
   for (const char *at = value;; at++) {
     char word[16];
     at += strspn(at, " \t");
@@ -39,8 +42,9 @@ static cloth_status set_devices(cloth_def *def, const char *value, cloth_error *
     else if (!cloth_integer_parse(word, &device[count]) || device[count] < 0 ||
              device[count] > 1023)
       CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT,
-                 "devices = '%.60s': '%s' is neither 'cpu' nor a device index in [0, 1023]", value,
-                 word);
+                 "devices = '%.60s': '%s' is neither 'cpu' nor a device index in [0, 1023]; mpi "
+                 "stands alone",
+                 value, word);
     count++;
     at += n;
     if (*at == '\0') break;
@@ -48,6 +52,7 @@ static cloth_status set_devices(cloth_def *def, const char *value, cloth_error *
   memcpy(def->device, device, sizeof device[0] * (size_t)count);
   def->device_count = count;
   def->devices_are_cpu = cpus > 0;
+  def->devices_are_processes = processes;
   return CLOTH_OK;
 }
 
@@ -115,8 +120,8 @@ cloth_status cloth_def_set(cloth_def *def, const char *name, const char *value, 
   if (name == NULL || value == NULL)
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "a setting needs a name and a value");
   if (strcmp(name, "backend") == 0)
-    return set_word(def->backend, sizeof def->backend, name, value, backends, "auto, cpu, cuda, shuffle",
-                    err);
+    return set_word(def->backend, sizeof def->backend, name, value, backends,
+                    "auto, cpu, cuda, shuffle", err);
   if (strcmp(name, "precision") == 0)
     return set_word(def->precision, sizeof def->precision, name, value, precisions, "float, double",
                     err);

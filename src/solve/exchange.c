@@ -1,6 +1,5 @@
 // Vertex vectors travel between parts: each part sends what it owns to all others (P-Cloth
-// section 3.1, whole sub-vectors). Copies run on COPY queues; events order them against COMPUTE, so
-// that nothing is overwritten while somebody still reads it.
+// section 3.1, whole sub-vectors), by the transport that joins them (transport.h).
 #include "chunk.h"
 #include "state/sim.h"
 
@@ -25,33 +24,19 @@ static size_t begin_of(const cloth_sim *sim, int vertex, cloth_rows_of rows)
 cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, size_t row,
                             cloth_error *err)
 {
-  const cloth_backend *be = sim->backend;
-  if (sim->part_count == 1) return CLOTH_OK;
-
-  // ready: all that was queued before is done, both computing one's own rows and reading the
-  // others'
-  for (int i = 0; i < sim->part_count; i++)
-    CLOTH_TRY(be->record(sim->part[i].device, CLOTH_COMPUTE, sim->part[i].ready, err));
+  cloth_span span[CLOTH_DEVICES_MAX];
   for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *from = &sim->part[i];
-    size_t begin = begin_of(sim, from->v0, rows) * row, end = begin_of(sim, from->v1, rows) * row;
+    cloth_part *p = &sim->part[i];
+    span[i] = (cloth_span){p->device,
+                           field_of(p, field),
+                           begin_of(sim, p->v0, rows),
+                           begin_of(sim, p->v1, rows),
+                           p->ready,
+                           p->sent};
     if (rows == CLOTH_PER_NODE)
-      begin = (size_t)from->hat_share.begin * row, end = (size_t)from->hat_share.end * row;
-    CLOTH_TRY(be->wait(from->device, CLOTH_COPY, from->ready, err));
-    for (int j = 0; j < sim->part_count && end > begin; j++) {
-      cloth_part *to = &sim->part[j];
-      if (j == i) continue;
-      CLOTH_TRY(be->wait(from->device, CLOTH_COPY, to->ready, err));
-      CLOTH_TRY(be->copy(from->device, to->device, field_of(to, field) + begin,
-                         field_of(from, field) + begin, end - begin, err));
-    }
-    CLOTH_TRY(be->record(from->device, CLOTH_COPY, from->sent, err));
+      span[i].begin = (size_t)p->hat_share.begin, span[i].end = (size_t)p->hat_share.end;
   }
-  // go on when the others' rows have come and one's own have left
-  for (int i = 0; i < sim->part_count; i++)
-    for (int j = 0; j < sim->part_count; j++)
-      CLOTH_TRY(be->wait(sim->part[i].device, CLOTH_COMPUTE, sim->part[j].sent, err));
-  return CLOTH_OK;
+  return sim->transport->exchange(sim->transport, sim->backend, sim->part_count, span, row, err);
 }
 
 cloth_status cloth_copy_local(cloth_sim *sim, cloth_part *part, void *dst, const void *src,

@@ -11,6 +11,7 @@
 #include "solve/hats.h"
 #include "state/bdf2.h"
 #include "state/flight.h"
+#include "transport/spread.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -60,10 +61,13 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
 {
   sim->chunks = (sim->vertex_count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
   choose_aggregates(sim);
-  int parts = sim->def->device_count > 0 ? sim->def->device_count : 1;
+  const cloth_def *def = sim->def;
+  int parts = def->devices_are_processes ? sim->transport->ranks
+              : def->device_count > 0    ? def->device_count
+                                         : 1;
   for (int p = 0; p < parts; p++) {
     cloth_part *part = &sim->part[p];
-    int index = sim->def->device[p];
+    int index = def->devices_are_processes ? p : def->device[p];
     if (index < 0 || (index >= sim->backend->device_count() && sim->backend->device_count() > 0))
       CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "device %d is not in [0, %d) of backend %s", index,
                  sim->backend->device_count(), sim->backend->name);
@@ -79,7 +83,8 @@ static cloth_status open_parts(cloth_sim *sim, cloth_error *err)
     CLOTH_TRY(sim->backend->event_new(part->device, &part->launch_end, err));
   }
   sim->joined = parts_join(sim);
-  return CLOTH_OK;
+  if (!def->devices_are_processes) return CLOTH_OK;
+  return cloth_spread_connect(sim->part[sim->transport->rank].device, sim->transport, err);
 }
 
 // ---- memory of a part ---------------------------------------------------------------------------
@@ -286,6 +291,11 @@ void cloth_sim_free(void *data)
   free(sim);
 }
 
+static cloth_status no_cuda(cloth_error *err)
+{
+  CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "backend cuda is not in this build: nvcc was not found");
+}
+
 static int bits_for(int n)
 {
   int bits = 1;
@@ -293,8 +303,9 @@ static int bits_for(int n)
   return bits;
 }
 
-static cloth_status build(const cloth_def *def, const cloth_backend *backend, const char *why,
-                          cloth_sim **out, cloth_error *err)
+static cloth_status build(const cloth_def *def, const cloth_backend *backend,
+                          cloth_transport *transport, const char *why, cloth_sim **out,
+                          cloth_error *err)
 {
   cloth_sim *sim = calloc(1, sizeof *sim);
   if (sim == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "scene");
@@ -302,6 +313,7 @@ static cloth_status build(const cloth_def *def, const cloth_backend *backend, co
   sim->params = def->params;
   sim->owner = CLOTH_CORE;
   sim->backend = backend;
+  sim->transport = transport;
   snprintf(sim->backend_why, sizeof sim->backend_why, "%s", why);
   cloth_status status;
   CLOTH_TRY_GOTO(cloth_number(sim, err), status, fail);
@@ -328,41 +340,91 @@ fail:
   return status;
 }
 
+static cloth_status build_here(const cloth_def *def, const cloth_backend *backend, const char *why,
+                               cloth_sim **out, cloth_error *err)
+{
+  return build(def, backend, cloth_transport_peer(), why, out, err);
+}
+
+// can every process open its device of this backend?
+static cloth_status probe(const cloth_backend *spread, int processes, cloth_error *err)
+{
+  for (int p = 0; p < processes; p++) {
+    cloth_device *device = NULL;
+    CLOTH_TRY(spread->open(p, 0, &device, err));
+    spread->close(device);
+  }
+  return CLOTH_OK;
+}
+
+// one part for each process: all on GPUs, or all on CPUs
+static cloth_status build_spread(const cloth_def *def, cloth_transport *t, cloth_sim **out,
+                                 cloth_error *err)
+{
+  const cloth_backend *cuda = cloth_backend_cuda();
+  cloth_error refused = {0};
+  const char *why = "asked for";
+  bool gpu = strcmp(def->backend, "cpu") != 0;
+  if (strcmp(def->backend, "shuffle") == 0)
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "backend shuffle does not go with devices: mpi");
+  if (t->ranks > CLOTH_DEVICES_MAX)
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "%d processes, but a scene has at most %d parts", t->ranks,
+               (int)CLOTH_DEVICES_MAX);
+  if (gpu && cuda == NULL) {
+    if (strcmp(def->backend, "cuda") == 0) return no_cuda(err);
+    gpu = false, why = "this build has no CUDA backend";
+  }
+  if (gpu && probe(cloth_backend_spread(cuda, t), t->ranks, &refused) != CLOTH_OK) {
+    if (strcmp(def->backend, "cuda") == 0)
+      return cloth_fail(err, refused.status, refused.file, refused.line, "%s", refused.text);
+    gpu = false, why = refused.text;
+  }
+  CLOTH_TRY(
+      build(def, cloth_backend_spread(gpu ? cuda : cloth_backend_cpu(), t), t, why, out, err));
+  snprintf((*out)->backend_why, sizeof(*out)->backend_why, "%s; %d processes, rows by %s%s%s", why,
+           t->ranks, t->name, t->why[0] ? ": " : "", t->why);
+  return CLOTH_OK;
+}
+
 // `auto`: the GPU where there is one that can hold the scene, else the CPU and why
 static cloth_status build_auto(const cloth_def *def, cloth_sim **out, cloth_error *err)
 {
   const cloth_backend *cuda = cloth_backend_cuda();
-  if (def->devices_are_cpu) return build(def, cloth_backend_cpu(), "devices are cpu", out, err);
+  if (def->devices_are_cpu)
+    return build_here(def, cloth_backend_cpu(), "devices are cpu", out, err);
   if (cuda == NULL)
-    return build(def, cloth_backend_cpu(), "this build has no CUDA backend", out, err);
+    return build_here(def, cloth_backend_cpu(), "this build has no CUDA backend", out, err);
   cloth_error refused = {0};
   cloth_device *probe = NULL; // cheap, where there is no GPU
   cloth_status status = cuda->open(def->device[0], 0, &probe, &refused);
   cuda->close(probe);
-  if (status == CLOTH_OK) status = build(def, cuda, "a GPU is there", out, &refused);
+  if (status == CLOTH_OK) status = build_here(def, cuda, "a GPU is there", out, &refused);
   bool device =
       status == CLOTH_UNSUPPORTED || status == CLOTH_NO_MEMORY || status == CLOTH_DEVICE_LOST;
-  if (device) return build(def, cloth_backend_cpu(), refused.text, out, err);
+  if (device) return build_here(def, cloth_backend_cpu(), refused.text, out, err);
   if (status != CLOTH_OK)
     return cloth_fail(err, status, refused.file, refused.line, "%s", refused.text);
   return CLOTH_OK;
 }
 
-cloth_status cloth_sim_new(const cloth_def *def, void **out, cloth_error *err)
+cloth_status cloth_sim_new(const cloth_def *def, cloth_transport *transport, void **out,
+                           cloth_error *err)
 {
   const char *name = def->backend, *asked = "asked for";
   cloth_sim *sim = NULL;
   cloth_status status;
-  if (strcmp(name, "shuffle") == 0)
-    status = build(def, cloth_backend_shuffle(1), asked, &sim, err);
+  if (transport != NULL)
+    status = build_spread(def, transport, &sim, err);
+  else if (strcmp(name, "shuffle") == 0)
+    status = build_here(def, cloth_backend_shuffle(1), asked, &sim, err);
   else if (strcmp(name, "cpu") == 0)
-    status = build(def, cloth_backend_cpu(), asked, &sim, err);
+    status = build_here(def, cloth_backend_cpu(), asked, &sim, err);
   else if (strcmp(name, "cuda") != 0)
     status = build_auto(def, &sim, err);
   else if (cloth_backend_cuda() == NULL)
-    CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "backend cuda is not in this build: nvcc was not found");
+    return no_cuda(err);
   else
-    status = build(def, cloth_backend_cuda(), asked, &sim, err);
+    status = build_here(def, cloth_backend_cuda(), asked, &sim, err);
   if (status == CLOTH_OK) *out = sim;
   return status;
 }

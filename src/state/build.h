@@ -3,7 +3,8 @@
 
 #include "state/sim.h"
 
-cloth_status cloth_sim_new(const cloth_def *def, void **out, cloth_error *err);
+cloth_status cloth_sim_new(const cloth_def *def, cloth_transport *transport, void **out,
+                           cloth_error *err);
 void cloth_sim_free(void *sim);
 const char *cloth_sim_backend(const void *sim);
 const char *cloth_sim_backend_why(const void *sim);

@@ -22,6 +22,7 @@
 #include "real.h"
 #include "scene/def.h"
 #include "spring/springs.h"
+#include "transport.h"
 
 typedef struct cloth_sim cloth_sim;
 typedef struct cloth_bend_rest cloth_bend_rest; // effect/bend_rest.h
@@ -222,6 +223,7 @@ struct cloth_sim {
   const cloth_def *def; // borrowed from the front
   cloth_params params;
   const cloth_backend *backend;
+  cloth_transport *transport; // what joins the parts
   char backend_why[200];
   int part_count;
   bool joined; // the parts solve together, in each other's memory: pcg_part.h

@@ -62,6 +62,10 @@ static int run_command(const tool_command *command, int argc, char **argv)
   tool_arguments args = {0};
   int code;
   cloth_status status = tool_parse(command, argc, argv, &args, &err);
+  if (!args.help) { // before anything can be refused that all processes would say
+    cloth_status joined = tool_processes_join(&args, NULL, &err);
+    if (status == CLOTH_OK) status = joined;
+  }
   if (status != CLOTH_OK) {
     code = tool_exit_code(status);
   } else if (args.help) {
@@ -76,10 +80,13 @@ static int run_command(const tool_command *command, int argc, char **argv)
     code = TOOL_FAILED;
     cloth_fail(&err, CLOTH_IO, __FILE__, __LINE__, "cannot write to the standard output");
   }
-  if (err.status != CLOTH_OK) fprintf(stderr, "cloth %s: %s\n", command->name, err.text);
+  char message[640] = "";
+  if (err.status != CLOTH_OK)
+    snprintf(message, sizeof message, "cloth %s: %s", command->name, err.text);
+  if (err.status != CLOTH_OK) fprintf(stderr, "%s\n", message);
   if (err.status == CLOTH_INTERNAL) fprintf(stderr, "  at %s:%d\n", err.file, err.line);
   tool_arguments_free(&args);
-  return code;
+  return tool_processes_leave(code, message);
 }
 
 // OpenMP's threads spin for milliseconds while they wait, unless the environment says otherwise

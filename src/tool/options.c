@@ -14,7 +14,7 @@ const tool_option tool_scene_options[] = {
      "fast, balanced, accurate, reference or a YAML file; what the scene says itself wins"},
     {"resolution", "F", "factor on the cells along each side of every grid and tube"},
     {"backend", "NAME", "auto, cpu, cuda or shuffle"},
-    {"devices", "LIST", "one device for each part, e.g. cpu,cpu or 0,0"},
+    {"devices", "LIST", "one device for each part, e.g. cpu,cpu or 0,0; mpi: one for each process"},
     {"precision", "NAME", "float or double"},
     {"threads", "N", "CPU threads; 0 takes what OpenMP finds"},
     {"set", "NAME=VALUE",

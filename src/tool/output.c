@@ -18,6 +18,7 @@ struct tool_output {
   int cloth_count, body_count;
   char (*name)[NAME_SIZE]; // [cloth_count + body_count] file names without the step
   double *position;        // [most vertices x 3] m
+  bool silent;             // another process writes; here positions are read, as all must
   bool made;               // the directory was not there before
 };
 
@@ -178,6 +179,15 @@ cloth_status tool_output_new(const char *dir, bool force, const cloth_scene *sce
     status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "no memory for the output");
     goto fail;
   }
+  o->silent = dir == NULL;
+  if (o->silent) {
+    status = tool_processes_agree(CLOTH_OK, err);
+    if (status == CLOTH_OK)
+      *out = o;
+    else
+      output_free(o);
+    return status;
+  }
   if (snprintf(o->dir, sizeof o->dir, "%s", dir) >= (int)sizeof o->dir || dir[0] == '\0') {
     status = cloth_fail(err, CLOTH_BAD_ARGUMENT, __FILE__, __LINE__,
                         "--out: the path is empty or too long");
@@ -193,15 +203,17 @@ cloth_status tool_output_new(const char *dir, bool force, const cloth_scene *sce
   cloth_report_csv(NULL, row, sizeof row);
   fprintf(o->csv, "%s\n", row);
   *out = o;
-  return CLOTH_OK;
+  return tool_processes_agree(CLOTH_OK, err);
 
 fail:
   output_free(o);
-  return status;
+  return tool_processes_agree(status, err);
 }
 
-cloth_status tool_output_report(tool_output *o, const cloth_step_report *report, cloth_error *err)
+// how it went for process 0, which has the files
+static cloth_status report_write(tool_output *o, const cloth_step_report *report, cloth_error *err)
 {
+  if (o->silent) return CLOTH_OK;
   char row[ROW_SIZE];
   cloth_report_csv(report, row, sizeof row);
   // flushed, so that a long run can be watched and a full disk is met at the step it happens
@@ -210,10 +222,16 @@ cloth_status tool_output_report(tool_output *o, const cloth_step_report *report,
   return CLOTH_OK;
 }
 
+cloth_status tool_output_report(tool_output *o, const cloth_step_report *report, cloth_error *err)
+{
+  return tool_processes_agree(report_write(o, report, err), err);
+}
+
 static cloth_status mesh_write(const tool_output *o, int i, int64_t step, const double *position,
                                int vertex_count, const int *triangle, int triangle_count,
                                cloth_error *err)
 {
+  if (o->silent) return CLOTH_OK;
   char file[NAME_SIZE + 32], path[PATH_SIZE];
   snprintf(file, sizeof file, "%s_%06lld.obj", o->name[i], (long long)step);
   path_of(o, file, "", path);
@@ -251,17 +269,21 @@ cloth_status tool_output_meshes(tool_output *o, cloth_scene *scene, int64_t step
   for (int i = 0; i < o->cloth_count; i++) {
     int vertex_count = cloth_vertex_count(scene, i);
     CLOTH_TRY(cloth_positions(scene, i, o->position, vertex_count, err));
-    CLOTH_TRY(mesh_write(o, i, step, o->position, vertex_count, cloth_triangles(scene, i),
-                         cloth_triangle_count(scene, i), err));
+    CLOTH_TRY(tool_processes_agree(mesh_write(o, i, step, o->position, vertex_count,
+                                              cloth_triangles(scene, i),
+                                              cloth_triangle_count(scene, i), err),
+                                   err));
   }
-  for (int i = 0; i < o->body_count; i++) CLOTH_TRY(body_write(o, scene, i, step, err));
-  return CLOTH_OK;
+  cloth_status status = CLOTH_OK;
+  for (int i = 0; i < o->body_count && status == CLOTH_OK; i++)
+    status = body_write(o, scene, i, step, err);
+  return tool_processes_agree(status, err);
 }
 
 cloth_status tool_output_close(tool_output *o, cloth_error *err)
 {
   if (!o) return CLOTH_OK;
-  cloth_status status = file_close(o, "report.csv", o->csv, err);
+  cloth_status status = o->silent ? CLOTH_OK : file_close(o, "report.csv", o->csv, err);
   output_free(o);
   return status;
 }
@@ -271,10 +293,12 @@ void tool_output_abandon(tool_output *o)
   if (!o) return;
   char part[PATH_SIZE];
   path_of(o, "report.csv", ".part", part);
-  fclose(o->csv);
-  remove(part);
-  path_of(o, "meshes.csv", "", part);
-  remove(part);
-  if (o->made) rmdir(o->dir);
+  if (!o->silent) {
+    fclose(o->csv);
+    remove(part);
+    path_of(o, "meshes.csv", "", part);
+    remove(part);
+    if (o->made) rmdir(o->dir);
+  }
   output_free(o);
 }

@@ -124,18 +124,27 @@ static void totals_add(totals *t, const cloth_step_report *r, double wall)
 typedef struct run {
   cloth_scene *scene;
   tool_output *output; // NULL: nothing is written
+  int stop;            // signal that ends the run, or 0
   int64_t steps, mesh_every;
   totals totals;
   cloth_step_report last;
   progress progress;
 } run;
 
+// several processes stop together, whoever got the signal
+static cloth_status look_for_signal(run *r, cloth_error *err)
+{
+  r->stop = (int)stop_signal;
+  return tool_processes_share(&r->stop, err);
+}
+
 static cloth_status run_steps(run *r, cloth_error *err)
 {
+  CLOTH_TRY(look_for_signal(r, err));
   if (r->mesh_every > 0) CLOTH_TRY(tool_output_meshes(r->output, r->scene, 0, err));
   CLOTH_TRY(tool_tangles_print(r->scene, &r->totals.tangles_max, err));
   r->progress.start = tool_clock();
-  for (int64_t i = 1; i <= r->steps && !stop_signal; i++) {
+  for (int64_t i = 1; i <= r->steps && !r->stop; i++) {
     cloth_step_report report = {0};
     double before = tool_clock();
     CLOTH_TRY(cloth_step(r->scene, 0, &report, err));
@@ -143,7 +152,8 @@ static cloth_status run_steps(run *r, cloth_error *err)
     if (report.bodies_blocking > 0) CLOTH_TRY(tool_blocking_add(r->scene, r->totals.blocking, err));
     r->last = report;
     if (r->output) CLOTH_TRY(tool_output_report(r->output, &report, err));
-    bool last = i == r->steps || stop_signal;
+    CLOTH_TRY(look_for_signal(r, err));
+    bool last = i == r->steps || r->stop;
     if (r->mesh_every > 0 && (i % r->mesh_every == 0 || last))
       CLOTH_TRY(tool_output_meshes(r->output, r->scene, i, err));
     progress_show(&r->progress, &r->totals, &report);
@@ -197,7 +207,7 @@ static void print_summary(const run *r, uint64_t hash)
 static int run_end(run *r, cloth_status status)
 {
   progress_end(&r->progress);
-  if (r->totals.steps == 0 && status == CLOTH_OK && stop_signal) return 128 + (int)stop_signal;
+  if (r->totals.steps == 0 && status == CLOTH_OK && r->stop) return 128 + r->stop;
 
   uint64_t hash = 0;
   if (status >= 0) { // a lost scene has no state to hash
@@ -206,10 +216,10 @@ static int run_end(run *r, cloth_status status)
     print_summary(r, hash);
   }
   if (status != CLOTH_OK) return TOOL_FAILED;
-  if (stop_signal) {
+  if (r->stop) {
     fprintf(stderr, "cloth run: stopped by a signal after step %" PRId64 " of %" PRId64 "\n",
             r->totals.steps, r->steps);
-    return 128 + (int)stop_signal;
+    return 128 + r->stop;
   }
   return TOOL_DONE;
 }
@@ -222,7 +232,7 @@ static cloth_status check_usage(const tool_arguments *args, run *r, cloth_error 
   if (r->mesh_every > 0 && !tool_text(args, "out"))
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--mesh-every needs --out DIR to write to");
   const char *record = tool_text(args, "record");
-  if (record && !tool_has(args, "force") && access(record, F_OK) == 0)
+  if (record && tool_processes_first() && !tool_has(args, "force") && access(record, F_OK) == 0)
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--record %s exists; name another file, or add --force",
                record);
   return CLOTH_OK;
@@ -233,21 +243,24 @@ static cloth_status run_prepare(const tool_arguments *args, run *r, cloth_error 
 {
   cloth_status status;
   cloth_def *def = NULL;
-  CLOTH_TRY(check_usage(args, r, err));
+  const char *dir = tool_text(args, "out"), *record = tool_text(args, "record");
+  CLOTH_TRY(tool_processes_agree(check_usage(args, r, err), err));
   CLOTH_TRY(tool_scene_load(args, args->operand[0], &def, err));
   CLOTH_TRY_GOTO(steps_wanted(args, def, &r->steps, err), status, done);
   CLOTH_TRY_GOTO(cloth_scene_new(def, &r->scene, err), status, done);
+  bool first = tool_processes_first();
   cloth_scene_hash_steps(r->scene, tool_has(args, "hash"));
   r->totals.blocking = calloc((size_t)cloth_body_count(r->scene) + 1, 1);
   if (r->totals.blocking == NULL) {
     status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "bodies");
     goto done;
   }
-  const char *dir = tool_text(args, "out"), *record = tool_text(args, "record");
   if (dir)
-    CLOTH_TRY_GOTO(tool_output_new(dir, tool_has(args, "force"), r->scene, &r->output, err), status,
-                   done);
-  if (record) CLOTH_TRY_GOTO(cloth_record_start(r->scene, record, err), status, done);
+    CLOTH_TRY_GOTO(
+        tool_output_new(first ? dir : NULL, tool_has(args, "force"), r->scene, &r->output, err),
+        status, done);
+  if (record) status = cloth_record_start(r->scene, first ? record : "/dev/null", err);
+  CLOTH_TRY_GOTO(tool_processes_agree(status, err), status, done);
   r->progress.steps = r->steps;
   r->progress.on = isatty(STDERR_FILENO) && !tool_has(args, "quiet");
 done:

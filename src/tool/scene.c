@@ -43,7 +43,8 @@ cloth_status tool_scene_load_with(const tool_arguments *args, const char *path,
 {
   cloth_status status;
   *out = NULL;
-  CLOTH_TRY_GOTO(cloth_def_load_with(path, options, out, err), status, fail);
+  status = tool_processes_agree(cloth_def_load_with(path, options, out, err), err);
+  if (status != CLOTH_OK) goto fail;
   for (int i = 0; i < args->given_count; i++) {
     const tool_given *given = &args->given[i];
     for (const tool_option *option = tool_scene_options; option->name; option++) {
@@ -54,6 +55,7 @@ cloth_status tool_scene_load_with(const tool_arguments *args, const char *path,
       if (status != CLOTH_OK) goto fail;
     }
   }
+  CLOTH_TRY_GOTO(tool_processes_join(args, *out, err), status, fail);
   return CLOTH_OK;
 
 fail:

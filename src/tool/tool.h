@@ -88,6 +88,26 @@ cloth_status tool_scene_load_with(const tool_arguments *args, const char *path,
                                   const cloth_load_options *options, cloth_def **out,
                                   cloth_error *err);
 
+// ---- processes.c -------------------------------------------------------------------------------
+
+/// Joins the other processes of `devices: mpi`, where the description says so or --devices does
+/// (def NULL: only the latter); every process but the first is silent from then on. Only `cloth
+/// run` goes with it.
+cloth_status tool_processes_join(const tool_arguments *args, const cloth_def *def,
+                                 cloth_error *err);
+
+/// Is it this process that writes and prints?
+bool tool_processes_first(void);
+
+/// The first process that failed is how it went for all. `mine` where there is one process.
+cloth_status tool_processes_agree(cloth_status mine, cloth_error *err);
+
+/// What the first process says.
+cloth_status tool_processes_share(int *value, cloth_error *err);
+
+/// The end, with the exit code of all; `message` for those who could not say it.
+int tool_processes_leave(int code, const char *message);
+
 /// Seconds on a clock that only goes forward.
 double tool_clock(void);
 

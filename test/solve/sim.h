@@ -17,7 +17,7 @@ static inline cloth_sim *sim_new(const cloth_def *def)
 {
   cloth_error err = {0};
   void *sim = NULL;
-  must(cloth_sim_new(def, &sim, &err), &err);
+  must(cloth_sim_new(def, NULL, &sim, &err), &err);
   return sim;
 }
 

@@ -122,7 +122,7 @@ cloth_params *cloth_def_params(cloth_def *def);
 
 /// Set one setting from text, as a command line or a ROS parameter would: any name of params.inl, or
 /// "backend" (auto, cpu, cuda, shuffle), "precision" (float, double), "devices" ("cpu,cpu,cpu": one part
-/// each), "effects.NAME" (auto, on, off). A vector is "0 0 -9.81". Unknown names are refused and the
+/// each; "mpi": one for each process of `cloth run`), "effects.NAME" (auto, on, off). A vector is "0 0 -9.81". Unknown names are refused and the
 /// nearest match is named. CLOTH_BAD_ARGUMENT; nothing changed on failure.
 cloth_status cloth_def_set(cloth_def *def, const char *name, const char *value, cloth_error *err);
 

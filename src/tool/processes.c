@@ -47,6 +47,13 @@ cloth_status tool_processes_share(int *value, cloth_error *err)
   return transport ? transport->share(transport, 0, value, sizeof *value, err) : CLOTH_OK;
 }
 
+void tool_processes_print(void)
+{
+  if (!transport) return;
+  printf("processes         %d, rows by %s%s%s\n", transport->ranks, transport->name,
+         transport->why[0] ? ", " : "", transport->why);
+}
+
 int tool_processes_leave(int code, const char *message)
 {
   // process 0 has said it, and so it is not said again

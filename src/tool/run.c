@@ -180,6 +180,7 @@ static void print_summary(const run *r, uint64_t hash)
   printf("steps             %" PRId64 " (%" PRId64 " substeps, %" PRId64 " halvings)\n", t->steps,
          t->substeps, t->halvings);
   printf("simulated         %.6g s\n", simulated);
+  tool_processes_print();
   printf("wall              %.3f s, %.3f ms a step\n", t->wall,
          t->steps ? 1e3 * t->wall / (double)t->steps : 0);
   printf("real-time factor  %.2f\n", t->wall > 0 ? simulated / t->wall : 0);

@@ -105,6 +105,9 @@ cloth_status tool_processes_agree(cloth_status mine, cloth_error *err);
 /// What the first process says.
 cloth_status tool_processes_share(int *value, cloth_error *err);
 
+/// A line of the summary: how many, and how rows travel between them. Nothing for one process.
+void tool_processes_print(void);
+
 /// The end, with the exit code of all; `message` for those who could not say it.
 int tool_processes_leave(int code, const char *message);
 

@@ -7,6 +7,7 @@ without MPIRUN (a build without MPI) only that the command says so
 import csv
 import filecmp
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -106,6 +107,7 @@ def compare(tmp, name, counts):
         many = processes((n, args + ["--out", "many%d" % n, "--devices", "mpi"]), cwd=tmp)
         check(many.returncode == 0, many.stdout, many.stderr)
         check(many.stdout.count("state hash") == 1, "printed more than once:", many.stdout)
+        check(re.search(r"^processes +%d, rows by mpi$" % n, many.stdout, re.M), many.stdout)
         check(summary(many, "state hash") == summary(one, "state hash"), n, "processes end elsewhere than one")
         a, b = rows(tmp + "/parts%d/report.csv" % n), rows(tmp + "/many%d/report.csv" % n)
         check(len(a) == len(b) == len(rows(tmp + "/one/report.csv")), "rows")

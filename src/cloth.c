@@ -2,6 +2,7 @@
 // recorder. What a function means is said in cloth.h.
 #include "front.h"
 #include "processes.h"
+#include "record_digest.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -47,6 +48,28 @@ static cloth_status check(const cloth_def *def, cloth_error *err)
   return CLOTH_OK;
 }
 
+static cloth_record_subject subject(cloth_scene *s)
+{
+  return (cloth_record_subject){s, &s->def->params, s->def->precision, s->fresh};
+}
+
+// `devices: mpi`: every process must have read the same, or they would wait for each other for ever
+static cloth_status join_processes(cloth_scene *s, cloth_transport **out, cloth_error *err)
+{
+  if (!s->def->devices_are_processes) return CLOTH_OK;
+  CLOTH_TRY(cloth_processes_join(out, err));
+  const cloth_transport *t = *out;
+  cloth_record_subject sub = subject(s);
+  uint64_t mine = cloth_record_digest(&sub, s->def), first = mine;
+  cloth_status status = CLOTH_OK;
+  CLOTH_TRY(t->share(t, 0, &first, sizeof first, err));
+  if (first != mine)
+    status = cloth_fail(err, CLOTH_BAD_SCENE, __FILE__, __LINE__,
+                        "process %d has read another scene than process 0: other files or options",
+                        t->rank);
+  return t->agree(t, status, err);
+}
+
 cloth_status cloth_scene_new(const cloth_def *def, cloth_scene **out, cloth_error *err)
 {
   CLOTH_TRY(check(def, err));
@@ -59,8 +82,7 @@ cloth_status cloth_scene_new(const cloth_def *def, cloth_scene **out, cloth_erro
   cloth_budget_reset(&s->budget);
   CLOTH_TRY_GOTO(cloth_def_clone(def, &s->def, err), status, fail);
   CLOTH_TRY_GOTO(rest_positions(s, err), status, fail);
-  if (def->devices_are_processes)
-    CLOTH_TRY_GOTO(cloth_processes_join(&transport, err), status, fail);
+  CLOTH_TRY_GOTO(join_processes(s, &transport, err), status, fail);
   CLOTH_TRY_GOTO(s->engine->create(s->def, transport, &s->sim, err), status, fail);
   *out = s;
   return CLOTH_OK;
@@ -447,11 +469,6 @@ cloth_status cloth_blocking_bodies(cloth_scene *s, int *out, int capacity, int *
 }
 
 // ---- recorder -----------------------------------------------------------------------------------
-
-static cloth_record_subject subject(cloth_scene *s)
-{
-  return (cloth_record_subject){s, &s->def->params, s->def->precision, s->fresh};
-}
 
 cloth_status cloth_record_start(cloth_scene *s, const char *path, cloth_error *err)
 {

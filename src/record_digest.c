@@ -12,10 +12,12 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
   return hash;
 }
 
+static const uint64_t start = UINT64_C(0xcbf29ce484222325);
+
 static uint64_t hash_mesh(const double *position, int vertex_count, const int *triangle,
                           int triangle_count)
 {
-  uint64_t hash = UINT64_C(0xcbf29ce484222325);
+  uint64_t hash = start;
   hash = hash_bytes(hash, position, 3 * sizeof *position * (size_t)vertex_count);
   return hash_bytes(hash, triangle, 3 * sizeof *triangle * (size_t)triangle_count);
 }
@@ -75,4 +77,32 @@ int cloth_record_param(const cloth_params *params, const cloth_param_info *p, do
     return 1;
   }
   return 0;
+}
+
+static uint64_t hash_params(uint64_t hash, const cloth_params *values, const cloth_param_info *p)
+{
+  for (; p->name; p++) {
+    double value[3];
+    if (!cloth_record_param_counts(p)) continue;
+    hash = hash_bytes(hash, value, sizeof *value * (size_t)cloth_record_param(values, p, value));
+  }
+  return hash;
+}
+
+uint64_t cloth_record_digest(const cloth_record_subject *subject, const cloth_def *def)
+{
+  uint64_t hash = hash_bytes(start, subject->precision, strlen(subject->precision));
+  for (int i = 0; i < cloth_record_line_count(subject); i++) {
+    char line[CLOTH_RECORD_LINE_SIZE];
+    cloth_record_line(subject, i, line);
+    hash = hash_bytes(hash, line, strlen(line));
+  }
+  hash = hash_params(hash, subject->params, cloth_param_table());
+  for (int i = 0; i < def->effect_count; i++) {
+    hash = hash_bytes(hash, def->effect[i].name, strlen(def->effect[i].name));
+    hash = hash_bytes(hash, &def->effect[i].wish, sizeof def->effect[i].wish);
+  }
+  for (int c = 0; c < def->cloth_count; c++) // all its members are double
+    hash = hash_bytes(hash, &def->cloth[c].material, sizeof def->cloth[c].material);
+  return hash;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "record.h"
+#include "scene/def.h"
 
 #define CLOTH_RECORD_VERSION "robot_cloth recording 1"
 
@@ -16,6 +17,9 @@ void cloth_record_line(const cloth_record_subject *subject, int i,
 
 /// Can the parameter change the result? All can but the number of threads.
 bool cloth_record_param_counts(const cloth_param_info *p);
+
+/// All that as one number, with the precision, the effects asked for and the materials.
+uint64_t cloth_record_digest(const cloth_record_subject *subject, const cloth_def *def);
 
 /// The value of a parameter as numbers; returns how many there are: 1 or 3.
 int cloth_record_param(const cloth_params *params, const cloth_param_info *p, double out[3]);

@@ -197,7 +197,8 @@ def what_one_process_refuses_ends_all_with_its_message_once(tmp):
     write(tmp, "s.yaml", SHEETS)
     good = ["run", "s.yaml", "--devices", "mpi", "--backend", "cpu", "--seconds", "100"]
     for bad, word in ((["run", "none.yaml"] + good[2:], "none.yaml"), (good + ["--nonsense"], "--nonsense"),
-                      (good + ["--set", "pcg_tolerance=7"], "pcg_tolerance")):
+                      (good + ["--set", "pcg_tolerance=7"], "pcg_tolerance"),
+                      (good + ["--set", "friction=0.31"], "process 1 has read another scene")):
         before = time.time()
         r = processes((1, good), (1, bad), (1, good), cwd=tmp)
         check(r.returncode != 0, bad, "exits with 0")

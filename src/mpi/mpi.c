@@ -99,7 +99,6 @@ static cloth_status exchange(const cloth_transport *t, const cloth_backend *be, 
 {
   (void)be;
   const cloth_spread_device *d = (const cloth_spread_device *)(const void *)span[t->rank].device;
-  if (parts == 1) return CLOTH_OK;
   if (d->inner->stream != NULL) return exchange_staged(d, parts, span, row, err);
   gather(parts, span, row, span[t->rank].data);
   return CLOTH_OK;

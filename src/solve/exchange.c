@@ -25,6 +25,7 @@ cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, si
                             cloth_error *err)
 {
   cloth_span span[CLOTH_DEVICES_MAX];
+  if (sim->part_count == 1) return CLOTH_OK;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     span[i] = (cloth_span){p->device,

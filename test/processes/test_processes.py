@@ -171,11 +171,13 @@ def a_recording_of_two_processes_replays_in_one(tmp):
 
 
 def a_time_budget_chooses_the_same_everywhere(tmp):
-    # each process alone would choose by its own clock, and wait for an exchange that the others do not make
+    # by its own clock each process would choose its own tolerance, and the state would be that of none of them
     write(tmp, "s.yaml", SHEETS)
     r = processes((3, ["run", "s.yaml", "--steps", "20", "--set", "time_budget=3", "--devices", "mpi", "--backend", "cpu",
-                       "--out", "o"]), cwd=tmp)
+                       "--out", "o", "--record", "r.rec"]), cwd=tmp)
     check(r.returncode == 0, r.stderr)
+    again = alone(["replay", "r.rec", "s.yaml", "--backend", "cpu", "--set", "time_budget=3"], tmp)
+    check(again.returncode == 0, again.stdout, again.stderr)
     check(len({row["chosen_pcg_tolerance"] for row in rows(tmp + "/o/report.csv")}) > 1, "the budget changed nothing")
 
 

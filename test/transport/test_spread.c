@@ -136,6 +136,43 @@ static int a_full_device_of_another_is_everybodys(void)
   return 0;
 }
 
+// the clock of process 0, which all must take for theirs
+static cloth_status share_time(const cloth_transport *t, int from, void *host, size_t bytes,
+                               cloth_error *err)
+{
+  (void)t, (void)err;
+  if (from == 0 && bytes == sizeof(cloth_step_report)) ((cloth_step_report *)host)->wall_ms = 1234;
+  return CLOTH_OK;
+}
+
+static cloth_status connect(cloth_transport *t, const cloth_backend *be, cloth_device *here,
+                            cloth_error *err)
+{
+  (void)t, (void)be, (void)err;
+  return here != NULL ? CLOTH_OK : CLOTH_INTERNAL;
+}
+
+static int times_are_those_of_process_0(void)
+{
+  cloth_transport one = transport;
+  one.rank = 0, one.ranks = 1, one.share = share_time, one.connect = connect;
+  memset(&other, 0, sizeof other);
+  cloth_error err = {0};
+  cloth_def *def = def_new(PRECISION);
+  static sheet s;
+  sheet_make(&s, 0.2, 0.2, 9, 9);
+  def_cloth(def, "sheet", &s, cloth_material_default(), pose_at(0, 0, 0));
+  def_set(def, "devices", "mpi");
+  def_set(def, "backend", "cpu");
+  void *sim;
+  cloth_step_report report;
+  CHECK_OK(cloth_sim_new(def, &one, &sim, &err), err);
+  CHECK_OK(cloth_sim_step(sim, 0.01, &report, &err), err);
+  CHECK(report.wall_ms == 1234 && report.step == 1);
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
 int main(int argc, char **argv)
 {
   int failures = 0;
@@ -143,5 +180,6 @@ int main(int argc, char **argv)
   RUN(the_host_reads_what_the_owner_has);
   RUN(an_error_waits_until_all_listen);
   RUN(a_full_device_of_another_is_everybodys);
+  RUN(times_are_those_of_process_0);
   return failures > 0;
 }

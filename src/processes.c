@@ -3,13 +3,30 @@
 
 #include <dlfcn.h>
 #include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
 
 static const cloth_processes *library;
 
+// beside this library, else where the system looks
+static void *open_library(void)
+{
+  char path[4096];
+  Dl_info here;
+  if (dladdr(&library, &here) != 0 && here.dli_fname != NULL) {
+    const char *end = strrchr(here.dli_fname, '/');
+    int n = snprintf(path, sizeof path, "%.*slibcloth_mpi.so",
+                     end ? (int)(end - here.dli_fname + 1) : 0, here.dli_fname);
+    if (end != NULL && n < (int)sizeof path && access(path, F_OK) == 0)
+      return dlopen(path, RTLD_NOW | RTLD_GLOBAL);
+  }
+  return dlopen("libcloth_mpi.so", RTLD_NOW | RTLD_GLOBAL);
+}
+
 static cloth_status load(cloth_error *err)
 {
-  // global: MPI loads parts of itself that look for it there
-  void *handle = dlopen("libcloth_mpi.so", RTLD_NOW | RTLD_GLOBAL);
+  void *handle = open_library(); // global: MPI loads parts of itself that look for it there
   if (handle == NULL)
     CLOTH_FAIL(err, CLOTH_UNSUPPORTED,
                "devices = 'mpi': this build has no MPI (cmake -DCLOTH_MPI=ON): %s", dlerror());

@@ -18,12 +18,23 @@ static bool started;          // MPI by us
 static unsigned char *staged; // a whole vector of a GPU
 static size_t staged_bytes;
 
+static bool alone; // this process has given up while the others go on
+
+void cloth_mpi_alone(void) { alone = true; }
+
+static cloth_status fail_alone(cloth_error *err)
+{
+  CLOTH_FAIL(err, CLOTH_DEVICE_LOST, "this process cannot go on with the others");
+}
+
 // ---- host bytes ---------------------------------------------------------------------------------
 
 static cloth_status share(const cloth_transport *t, int from, void *host, size_t bytes,
                           cloth_error *err)
 {
-  (void)t, (void)err; // MPI ends all processes by itself when it cannot go on
+  (void)t;
+  if (alone) return fail_alone(err);
+  // MPI ends all processes by itself when it cannot go on
   for (size_t at = 0; at < bytes; at += PIECE) {
     size_t n = bytes - at < PIECE ? bytes - at : PIECE;
     MPI_Bcast((char *)host + at, (int)n, MPI_BYTE, from, world);
@@ -34,6 +45,7 @@ static cloth_status share(const cloth_transport *t, int from, void *host, size_t
 static cloth_status agree(const cloth_transport *t, cloth_status mine, cloth_error *err)
 {
   static char file[128]; // an error points to it
+  if (alone) return mine == CLOTH_OK ? fail_alone(err) : mine;
   cloth_error theirs = {.status = mine};
   int first = mine == CLOTH_OK ? t->ranks : t->rank;
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, world);

@@ -30,7 +30,10 @@ static cloth_status exchange(const cloth_transport *t, const cloth_backend *be, 
   cudaStream_t stream = d->inner->stream(d->here, &ordinal);
   char *data = span[t->rank].data;
   // the others wait for it on their GPUs: it cannot go on as if
-  if (d->failed != CLOTH_OK) return fail("this process's device", d->why.text, err);
+  if (d->failed != CLOTH_OK) {
+    cloth_mpi_alone();
+    return fail("this process's device", d->why.text, err);
+  }
   ncclResult_t result = ncclGroupStart();
   for (int i = 0; i < parts && result == ncclSuccess; i++) {
     size_t at = span[i].begin * row, bytes = (span[i].end - span[i].begin) * row;
@@ -39,7 +42,9 @@ static cloth_status exchange(const cloth_transport *t, const cloth_backend *be, 
   }
   ncclResult_t end = ncclGroupEnd();
   if (result == ncclSuccess) result = end;
-  return result == ncclSuccess ? CLOTH_OK : fail("exchange", ncclGetErrorString(result), err);
+  if (result == ncclSuccess) return CLOTH_OK;
+  cloth_mpi_alone();
+  return fail("exchange", ncclGetErrorString(result), err);
 }
 
 // this process's GPU as no other is called

@@ -28,7 +28,7 @@ for program in backend_cuda_f32 backend_cuda_f64 engine_determinism engine_mass_
 done
 mkdir -p "$out/test/bench" "$out/config"
 cp "$root/test/gpu.sh" "$out/test/" && cp -r "$root/test/bench/scale.py" "$root/test/bench/scenes" "$out/test/bench/"
-cp -r "$root/config/scenes" "$root/config/materials" "$out/config/"
+cp -r "$root/config/scenes" "$root/config/materials" "$root/config/meshes" "$out/config/"
 
 # libraries that are nowhere else over there; those of the C and C++ compiler are any host's
 have=" $(cd "$runtime" && find . -name '*.so*' -printf '%f ') $(cd "$out/install/lib" && find . -name '*.so*' -printf '%f ') "

@@ -17,7 +17,9 @@ static const tool_option options[] = {
      "how long to simulate, if --steps is not given; default: the scene's duration"},
     {"out", "DIR", "write report.csv (and meshes) there; it must be empty or not exist"},
     {"mesh-every", "K", "write OBJ files of cloths and bodies every K steps, and the last"},
-    {"force", NULL, "replace an earlier run in --out, an earlier file of --record"},
+    {"load-state", "FILE", "go on from a state that a run of the same meshes saved"},
+    {"save-state", "FILE", "write the state after the last step, also of an interrupted run"},
+    {"force", NULL, "replace an earlier run in --out, earlier files of --record, --save-state"},
     {"record", "FILE", "record the run (cloth replay plays it)"},
     {"hash", NULL, "state hash after every step in report.csv"},
     {"quiet", NULL, "no progress line"},
@@ -125,6 +127,7 @@ typedef struct run {
   cloth_scene *scene;
   tool_output *output; // NULL: nothing is written
   int64_t steps, mesh_every;
+  double begin; // s, scene time of the first step
   totals totals;
   cloth_step_report last;
   progress progress;
@@ -135,6 +138,7 @@ static cloth_status run_steps(run *r, cloth_error *err)
   if (r->mesh_every > 0) CLOTH_TRY(tool_output_meshes(r->output, r->scene, 0, err));
   CLOTH_TRY(tool_tangles_print(r->scene, &r->totals.tangles_max, err));
   r->progress.start = tool_clock();
+  r->begin = cloth_time(r->scene);
   for (int64_t i = 1; i <= r->steps && !stop_signal; i++) {
     cloth_step_report report = {0};
     double before = tool_clock();
@@ -166,7 +170,7 @@ static void print_budget(const cloth_step_report *r)
 static void print_summary(const run *r, uint64_t hash)
 {
   const totals *t = &r->totals;
-  double simulated = cloth_time(r->scene);
+  double simulated = cloth_time(r->scene) - r->begin;
   printf("steps             %" PRId64 " (%" PRId64 " substeps, %" PRId64 " halvings)\n", t->steps,
          t->substeps, t->halvings);
   printf("simulated         %.6g s\n", simulated);
@@ -221,10 +225,13 @@ static cloth_status check_usage(const tool_arguments *args, run *r, cloth_error 
   CLOTH_TRY(tool_integer(args, "mesh-every", 1, INT64_C(1000000000), &r->mesh_every, err));
   if (r->mesh_every > 0 && !tool_text(args, "out"))
     CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--mesh-every needs --out DIR to write to");
-  const char *record = tool_text(args, "record");
-  if (record && !tool_has(args, "force") && access(record, F_OK) == 0)
-    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--record %s exists; name another file, or add --force",
-               record);
+  const char *written[] = {"record", "save-state"};
+  for (int i = 0; i < 2; i++) {
+    const char *file = tool_text(args, written[i]);
+    if (file && !tool_has(args, "force") && access(file, F_OK) == 0)
+      CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--%s %s exists; name another file, or add --force",
+                 written[i], file);
+  }
   return CLOTH_OK;
 }
 
@@ -238,6 +245,8 @@ static cloth_status run_prepare(const tool_arguments *args, run *r, cloth_error 
   CLOTH_TRY_GOTO(steps_wanted(args, def, &r->steps, err), status, done);
   CLOTH_TRY_GOTO(cloth_scene_new(def, &r->scene, err), status, done);
   cloth_scene_hash_steps(r->scene, tool_has(args, "hash"));
+  const char *from = tool_text(args, "load-state");
+  if (from) CLOTH_TRY_GOTO(cloth_state_load(r->scene, from, err), status, done);
   r->totals.blocking = calloc((size_t)cloth_body_count(r->scene) + 1, 1);
   if (r->totals.blocking == NULL) {
     status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "bodies");
@@ -269,6 +278,8 @@ static int run_main(const tool_arguments *args, cloth_error *err)
     code = run_end(&r, status);
     if (tool_has(args, "record") && status >= 0 && cloth_record_stop(r.scene, err) != CLOTH_OK)
       code = TOOL_FAILED;
+    const char *to = tool_text(args, "save-state");
+    if (to && status >= 0 && cloth_state_save(r.scene, to, err) != CLOTH_OK) code = TOOL_FAILED;
   }
   if (tool_output_close(r.output, err) != CLOTH_OK) code = TOOL_FAILED;
   cloth_scene_free(r.scene);

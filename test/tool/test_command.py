@@ -261,6 +261,25 @@ def an_interrupted_run_finishes_its_step_and_exits_with_130(tmp):
     check(re.search(r"^steps\s+%d\b" % (len(rows) - 1), stdout, re.M), len(rows), stdout)
 
 
+def a_saved_state_goes_on_with_the_same_bits(tmp):
+    write(tmp, "s.yaml", SCENE)
+    whole = cloth("run", "s.yaml", "--steps", "20", cwd=tmp)
+    half = cloth("run", "s.yaml", "--steps", "12", "--save-state", "half", cwd=tmp)
+    rest = cloth("run", "s.yaml", "--steps", "8", "--load-state", "half", "--out", "o", cwd=tmp)
+    check(half.returncode == 0 and rest.returncode == 0, half.stderr, rest.stderr)
+    check(summary(half, "state hash") != summary(whole, "state hash"), "nothing moved")
+    check(summary(rest, "state hash") == summary(whole, "state hash"), rest.stdout, whole.stdout)
+    check(summary(rest, "simulated") == "0.08", rest.stdout)
+    with open(os.path.join(tmp, "o", "report.csv")) as f:
+        check([int(row["step"]) for row in csv.DictReader(f)] == list(range(13, 21)), "steps")
+    # a finer step from there; what is there is not replaced; other meshes are refused
+    fine = cloth("run", "s.yaml", "--steps", "3", "--load-state", "half", "--set", "time_step=0.001", cwd=tmp)
+    check(fine.returncode == 0 and summary(fine, "simulated") == "0.003", fine.stdout, fine.stderr)
+    refused(tmp, ["run", "s.yaml", "--save-state", "half"], "--save-state half exists", "--force")
+    write(tmp, "t.yaml", SCENE.replace("[9, 9]", "[8, 9]"))
+    refused(tmp, ["run", "t.yaml", "--load-state", "half"], "half")
+
+
 def the_written_meshes_do_not_intersect(tmp):
     if not CHECK_MESHES:
         raise Skipped("built without CGAL")
@@ -418,6 +437,7 @@ CASES = [
     steps_seconds_and_duration_mean_the_same,
     an_unstable_scene_ends_with_exit_code_1_and_what_there_is,
     an_interrupted_run_finishes_its_step_and_exits_with_130,
+    a_saved_state_goes_on_with_the_same_bits,
     the_written_meshes_do_not_intersect,
     a_replay_matches_and_a_changed_recording_does_not,
     damaged_recordings_are_refused_with_file_and_line,

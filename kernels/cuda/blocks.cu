@@ -416,3 +416,5 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     return nullptr;
   }
 }
+  case CLOTH_KERNEL_zone_solve:
+    return cloth_cuda_zone_solve;

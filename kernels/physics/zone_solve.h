@@ -8,25 +8,31 @@
 // after the other: each sets its own to what closes it, never below zero. The impulses sum to zero
 // over a pair of cloth features, so momentum stays. Bodies and held vertices do not give way. Where
 // there is no room it ends after so many sweeps with what it has.
+//
+// Constraints are sorted by colours: those of one have no moving vertex in common, so the threads
+// of a GPU block that close them side by side get the bits of the loop (kernels/cuda/zones.cu).
+// Only those of the last colour, for which there were not enough, go one after the other
+// everywhere.
 #pragma once
 
 #include "real.h"
 
-enum { CLOTH_ZONE_SWEEPS = 200, CLOTH_ZONE_LOOK = 20 };
+enum { CLOTH_ZONE_SWEEPS = 200, CLOTH_ZONE_LOOK = 20, CLOTH_ZONE_COLOURS = 64 };
 
 typedef struct cloth_zone_solve_args {
   const int *zone;   // [n] zone of element i
   const int *first;  // [zones + 1] its constraints in `member`
   const int *member; // [constraints] constraint
   const int *local;  // [constraints x 4] place in `moving` of each corner of member c; -1: fixed
-  const int *moving_first;    // [zones + 1] its vertices in `moving`
-  const int *moving;          // [moving] vertex
-  const int *vertex;          // [constraints x 4]
-  const cloth_real *weight;   // [constraints x 4]
-  const cloth_real *normal;   // [constraints x 3]
-  const cloth_real *apart;    // [constraints] m
-  const cloth_real *mass;     // [cloth vertices] kg
-  const cloth_real *x_solved; // [cloth vertices x 3] m
+  const unsigned char *colour; // [constraints] by member, ascending in each zone
+  const int *moving_first;     // [zones + 1] its vertices in `moving`
+  const int *moving;           // [moving] vertex
+  const int *vertex;           // [constraints x 4]
+  const cloth_real *weight;    // [constraints x 4]
+  const cloth_real *normal;    // [constraints x 3]
+  const cloth_real *apart;     // [constraints] m
+  const cloth_real *mass;      // [cloth vertices] kg
+  const cloth_real *x_solved;  // [cloth vertices x 3] m
   int cloth_vertices;
   cloth_real *multiplier; // [constraints] by member, scratch
   cloth_real *need;       // [constraints x 2] by member, scratch: m, and 1 / compliance
@@ -84,6 +90,24 @@ CLOTH_FN cloth_real cloth_zone_close(const cloth_zone_solve_args *a, int m)
   return a->need[2 * m + 1] > 0 && open > 0 ? open / a->apart[c] : 0;
 }
 
+/// Is that enough after sweep number `sweep`? worst: largest opening in it; *last: of the last
+/// look.
+CLOTH_FN int cloth_zone_done(int sweep, cloth_real worst, cloth_real *last)
+{
+  if (!(worst > (cloth_real)0.1)) return 1;
+  if (sweep % CLOTH_ZONE_LOOK != 0) return 0;
+  if (sweep > 0 && !(worst < (cloth_real)0.9 * *last)) return 1; // no room, or far too tight
+  *last = worst;
+  return 0;
+}
+
+/// Vertex number k of `moving` goes where the constraints moved it.
+CLOTH_FN void cloth_zone_place(const cloth_zone_solve_args *a, int k)
+{
+  int v = a->moving[k];
+  cloth_v3_store(a->x, v, cloth_v3_add(cloth_v3_load(a->x_solved, v), cloth_v3_load(a->move, k)));
+}
+
 CLOTH_FN void cloth_zone_solve(int i, const cloth_zone_solve_args *a)
 {
   int z = a->zone[i];
@@ -97,13 +121,7 @@ CLOTH_FN void cloth_zone_solve(int i, const cloth_zone_solve_args *a)
       cloth_real open = cloth_zone_close(a, m);
       if (open > worst) worst = open;
     }
-    if (!(worst > (cloth_real)0.1)) break;
-    if (sweep % CLOTH_ZONE_LOOK != 0) continue;
-    if (sweep > 0 && !(worst < (cloth_real)0.9 * last)) break; // no room, or far too tight
-    last = worst;
+    if (cloth_zone_done(sweep, worst, &last)) break;
   }
-  for (int k = a->moving_first[z]; k < a->moving_first[z + 1]; k++) {
-    int v = a->moving[k];
-    cloth_v3_store(a->x, v, cloth_v3_add(cloth_v3_load(a->x_solved, v), cloth_v3_load(a->move, k)));
-  }
+  for (int k = a->moving_first[z]; k < a->moving_first[z + 1]; k++) cloth_zone_place(a, k);
 }

@@ -46,6 +46,8 @@ static cloth_status reserve(cloth_sim *sim, int n, cloth_error *err)
   CLOTH_TRY(grow(&z->moving_first, i * (room + 1), err));
   CLOTH_TRY(grow(&z->moving, 4 * i * room, err));
   CLOTH_TRY(grow(&z->deal, i * room, err));
+  CLOTH_TRY(grow(&z->colour, room, err));
+  CLOTH_TRY(grow(&z->taken, 4 * sizeof(uint64_t) * room, err));
   z->capacity = (int)room;
   return CLOTH_OK;
 }
@@ -56,6 +58,7 @@ void cloth_zones_free(cloth_zones *z)
   free(z->key), free(z->toi), free(z->vertex), free(z->parent), free(z->member), free(z->local);
   free(z->zone_rank), free(z->first), free(z->moving_first), free(z->moving), free(z->deal);
   free(z->by_key), free(z->spare), free(z->fresh), free(z->owner), free(z->fixed);
+  free(z->colour), free(z->taken);
 }
 
 // ---- grouping -----------------------------------------------------------------------------------
@@ -142,6 +145,39 @@ static void list_moving(cloth_sim *sim)
   for (int i = 0; i < z->moving_count; i++) z->owner[z->moving[i]] = -1;
 }
 
+// the lowest colour that no earlier constraint at the member's moving vertices has, or the last
+static int pick_colour(cloth_zones *z, int m)
+{
+  uint64_t taken = 0;
+  int colour = 0;
+  for (int k = 0; k < 4; k++)
+    if (z->local[4 * m + k] >= 0) taken |= z->taken[z->local[4 * m + k]];
+  while (colour + 1 < CLOTH_ZONE_COLOURS && (taken >> colour & 1)) colour++;
+  for (int k = 0; k < 4; k++)
+    if (z->local[4 * m + k] >= 0) z->taken[z->local[4 * m + k]] |= (uint64_t)1 << colour;
+  return colour;
+}
+
+// members of a zone in the order of their colours, else as they were
+static void sort_by_colour(cloth_zones *z)
+{
+  memset(z->taken, 0, sizeof *z->taken * (size_t)z->moving_count);
+  for (int m = 0; m < z->count; m++) z->colour[m] = (unsigned char)pick_colour(z, m);
+  memcpy(z->spare, z->member, sizeof *z->spare * (size_t)z->count);
+  for (int i = 0; i < z->zones; i++) {
+    int at[CLOTH_ZONE_COLOURS + 1] = {0}, place[CLOTH_ZONE_COLOURS] = {0};
+    int first = z->first[i], end = z->first[i + 1];
+    for (int m = first; m < end; m++) at[z->colour[m] + 1]++;
+    for (int c = 0; c < CLOTH_ZONE_COLOURS; c++) at[c + 1] += at[c];
+    for (int m = first; m < end; m++) {
+      int c = z->colour[m];
+      z->member[first + at[c] + place[c]++] = z->spare[m];
+    }
+    for (int c = 0; c < CLOTH_ZONE_COLOURS; c++)
+      memset(z->colour + first + at[c], c, (size_t)(at[c + 1] - at[c]));
+  }
+}
+
 // found pairs become constraints, or take the place of the pair's earlier one
 static void take_found(cloth_sim *sim)
 {
@@ -172,6 +208,8 @@ cloth_status cloth_zones_add(cloth_sim *sim, cloth_error *err)
       if (moves(sim, z->vertex[4 * c + k])) join(z, c, z->vertex[4 * c + k]);
   order_members(z);
   list_moving(sim);
+  sort_by_colour(z);
+  list_moving(sim); // what a member's corners are follows the members
   mark_fixed(sim, 0);
   return CLOTH_OK;
 }
@@ -203,6 +241,7 @@ static cloth_status grow_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(cloth_grow(sim, p, "zone_key", 8 * n, &z->key, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_toi", 4 * n, &z->toi, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_member", i * n, &z->member, err));
+  CLOTH_TRY(cloth_grow(sim, p, "zone_colour", n, &z->colour, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_local", 4 * i * n, &z->local, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_first", i * (n + 1), &z->first, err));
   CLOTH_TRY(cloth_grow(sim, p, "zone_moving_first", i * (n + 1), &z->moving_first, err));
@@ -238,6 +277,7 @@ static cloth_status send(cloth_sim *sim, cloth_part *p, int dealt, cloth_error *
   CLOTH_TRY(be->write(p->device, d->toi, z->toi, 4 * n, err));
   CLOTH_TRY(be->write(p->device, d->fresh, z->fresh, i * (size_t)z->found_count, err));
   CLOTH_TRY(be->write(p->device, d->member, z->member, i * n, err));
+  CLOTH_TRY(be->write(p->device, d->colour, z->colour, n, err));
   CLOTH_TRY(be->write(p->device, d->local, z->local, 4 * i * n, err));
   CLOTH_TRY(be->write(p->device, d->first, z->first, i * zones, err));
   CLOTH_TRY(be->write(p->device, d->moving_first, z->moving_first, i * zones, err));
@@ -268,6 +308,7 @@ static cloth_status project_part(cloth_sim *sim, cloth_part *p, double gap, clot
                                  .first = d->first,
                                  .member = d->member,
                                  .local = d->local,
+                                 .colour = d->colour,
                                  .moving_first = d->moving_first,
                                  .moving = d->moving,
                                  .vertex = d->vertex,

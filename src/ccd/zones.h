@@ -26,17 +26,19 @@ typedef struct cloth_zones {
   uint32_t *read_toi;
 
   int count, capacity;
-  uint64_t *key;  // [count]
-  uint32_t *toi;  // [count]
-  int *vertex;    // [count x 4]
-  int *by_key;    // [count] constraints in the order of their keys
-  int *spare;     // [count]
-  int *fresh;     // [found_count] constraints of the last detection
-  int *parent;    // [count] union-find over constraints
-  int *member;    // [count] constraint, zone by zone
-  int *local;     // [count x 4] by member
-  int *zone_rank; // [count] zone of a root
-  int *first;     // [zones + 1] in member
+  uint64_t *key;         // [count]
+  uint32_t *toi;         // [count]
+  int *vertex;           // [count x 4]
+  int *by_key;           // [count] constraints in the order of their keys
+  int *spare;            // [count]
+  int *fresh;            // [found_count] constraints of the last detection
+  int *parent;           // [count] union-find over constraints
+  int *member;           // [count] constraint, zone by zone, in a zone by colour
+  unsigned char *colour; // [count] by member: see zone_solve.h
+  uint64_t *taken;       // [moving] colours at a vertex, scratch
+  int *local;            // [count x 4] by member
+  int *zone_rank;        // [count] zone of a root
+  int *first;            // [zones + 1] in member
 
   int zones, moving_count;
   int *moving_first;    // [zones + 1] in moving
@@ -58,7 +60,8 @@ typedef struct cloth_zone_part {
   cloth_real *weight, *normal, *apart, *multiplier, *need, *move;
   cloth_real *x_solved; // [vertices x 3] m
   unsigned char *moved; // [vertices] 1: in a zone
-  int capacity;         // constraints
+  unsigned char *colour;
+  int capacity; // constraints
 } cloth_zone_part;
 
 /// Take zones.found in as further constraints and group all of them.

@@ -239,6 +239,30 @@ static int every_buffer_of_a_step_holds_the_bits_of_the_cpu(void)
   return failed;
 }
 
+// What falls too fast for contacts goes to impact zones.
+static int impact_zones_hold_the_bits_of_the_cpu(void)
+{
+  cloth_def *def[2] = {def_of("cpu", "two_level"), def_of("cuda", "two_level")};
+  cloth_sim *sim[2];
+  int zones = 0, largest = 0, failed = 0;
+  for (int i = 0; i < 2; i++) {
+    def_set(def[i], "gravity", "0 0 -150");
+    def_set(def[i], "contact_rounds_max", "0");
+    sim[i] = sim_new(def[i]);
+  }
+  for (int step = 1; step <= 8 && !failed; step++) {
+    cloth_step_report r = sim_step(sim[0], 1), s = sim_step(sim[1], 1);
+    CHECK(r.zones == s.zones && r.held_back == s.held_back);
+    zones += r.zones;
+    if (r.zone_largest > largest) largest = r.zone_largest;
+    failed = same_blocks(sim[0], sim[1], step);
+  }
+  printf("  %d zones of at most %d vertices\n", zones, largest);
+  CHECK(!failed && zones > 10 && largest > 20);
+  for (int i = 0; i < 2; i++) cloth_sim_free(sim[i]), cloth_def_free(def[i]);
+  return 0;
+}
+
 // 1 s of a calm scene in float against the CPU in double (PRECISION double: the same bits, see
 // above)
 static int a_calm_second_stays_near_the_cpu_in_double(void)
@@ -278,6 +302,7 @@ int main(int argc, char **argv)
   RUN_ON(gpu, events_order_what_copies_carry);
   RUN_ON(gpu, what_does_not_fit_is_refused_and_the_device_lives);
   RUN_ON(gpu, every_buffer_of_a_step_holds_the_bits_of_the_cpu);
+  RUN_ON(gpu, impact_zones_hold_the_bits_of_the_cpu);
   RUN_ON(gpu, a_calm_second_stays_near_the_cpu_in_double);
   return failures > 0;
 }

@@ -216,6 +216,33 @@ static int one_impact_is_its_closed_form(void)
   return 0;
 }
 
+// so that threads may close the constraints of one colour side by side
+static int constraints_of_a_colour_share_no_moving_vertex(void)
+{
+  cloth_error err = {0};
+  cloth_def *def = def_of("cpu", SHEETS, true);
+  cloth_sim *sim = sim_new(def);
+  move(sim, 0.016, 0.02, 3);
+  int impacts, left, most = 0, last = -1;
+  must(cloth_ccd_detect(sim, &impacts, &err), &err);
+  must(cloth_ccd_resolve(sim, &left, &err), &err);
+  const cloth_zones *z = &sim->zones;
+  CHECK(z->zones > 0 && z->count > 1);
+  for (int i = 0; i < z->zones; i++, last = -1)
+    for (int m = z->first[i]; m < z->first[i + 1]; m++) {
+      CHECK(z->colour[m] >= last && z->colour[m] <= last + 1 && z->colour[m] < 63);
+      last = z->colour[m];
+      if (last > most) most = last;
+      for (int n = m + 1; n < z->first[i + 1] && z->colour[n] == last; n++)
+        for (int k = 0; k < 16; k++)
+          CHECK(z->local[4 * m + k % 4] < 0 || z->local[4 * m + k % 4] != z->local[4 * n + k / 4]);
+    }
+  printf("  %d constraints in %d zones, %d colours\n", z->count, z->zones, most + 1);
+  CHECK(most > 0);
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
 static int what_meets_nothing_is_not_touched(void)
 {
   cloth_error err = {0};
@@ -262,6 +289,7 @@ int main(int argc, char **argv)
   RUN(zones_alone_are_enough_for_moderate_motion);
   RUN(zones_keep_momentum);
   RUN(one_impact_is_its_closed_form);
+  RUN(constraints_of_a_colour_share_no_moving_vertex);
   RUN(what_meets_nothing_is_not_touched);
   RUN(parts_solve_zones_to_the_same_bits);
   return failures > 0;

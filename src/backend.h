@@ -29,6 +29,7 @@ typedef struct cloth_event cloth_event;   // private to the backend
 
 struct cloth_pcg_solve_args; // pcg_solve.h
 struct cloth_pcg_part_args;  // pcg_part.h
+struct cloth_spring_block_args; // spring_block.h
 
 typedef struct cloth_backend {
   const char *name; // "cpu", "cuda", "shuffle"
@@ -60,6 +61,11 @@ typedef struct cloth_backend {
   cloth_status (*solve_parts)(int parts, cloth_device *const *device, const struct cloth_pcg_part_args *args,
                               cloth_error *err);
 
+  // NULL where sub-steps of the mass-spring cloth go launch by launch. A block of them of one part on
+  // COMPUTE: same bits.
+  cloth_status (*spring_block)(cloth_device *device, const struct cloth_spring_block_args *args,
+                               cloth_error *err);
+
   // Run kernel `k` for i in [0, n) on COMPUTE. args is copied before the call returns.
   cloth_status (*launch)(cloth_device *device, cloth_kernel k, int n, const void *args, cloth_error *err);
 
@@ -79,6 +85,11 @@ typedef struct cloth_backend {
 
   // Time from one event to the other, both recorded on COMPUTE; blocks until the second has passed.
   cloth_status (*elapsed)(const cloth_event *from, const cloth_event *to, double *ms, cloth_error *err);
+
+  // NULL where nobody listens. Name what the host does from here on, for a profiler; ranges nest. Free
+  // where no profiler runs.
+  void (*range_begin)(const char *name);
+  void (*range_end)(void);
 
   // Block until both queues are empty.
   cloth_status (*finish)(cloth_device *device, cloth_error *err);

@@ -44,10 +44,10 @@ static bool is_far_from_linear(const cloth_sim *sim)
 
 // The time of a stage: that of the host, or with `profile` that of the first part's device, between
 // events. Without it the host runs ahead of a GPU, and a stage is charged with what it waits for.
-static cloth_status stage_begin(cloth_sim *sim, double *start, cloth_error *err)
+static cloth_status stage_begin(cloth_sim *sim, cloth_stage stage, double *start, cloth_error *err)
 {
   const cloth_backend *be = sim->backend;
-  *start = cloth_now_ms();
+  *start = cloth_stage_open(sim, stage);
   if (!sim->params.profile || be->elapsed == NULL) return CLOTH_OK;
   return be->record(sim->part[0].device, CLOTH_COMPUTE, sim->part[0].stage_begin, err);
 }
@@ -62,6 +62,7 @@ static cloth_status stage_end(cloth_sim *sim, cloth_stage stage, double start, c
     CLOTH_TRY(be->elapsed(p->stage_begin, p->stage_end, &ms, err));
   }
   cloth_stage_charge(sim, stage, ms);
+  cloth_range_end(sim, sim->ranges - 1);
   return CLOTH_OK;
 }
 
@@ -69,7 +70,7 @@ static cloth_status stage_end(cloth_sim *sim, cloth_stage stage, double start, c
 #define STAGE(name, call)                                                                          \
   do {                                                                                             \
     double start_;                                                                                 \
-    CLOTH_TRY(stage_begin(sim, &start_, err));                                                     \
+    CLOTH_TRY(stage_begin(sim, CLOTH_STAGE_##name, &start_, err));                                 \
     CLOTH_TRY(call);                                                                               \
     CLOTH_TRY(stage_end(sim, CLOTH_STAGE_##name, start_, err));                                    \
   } while (0)
@@ -319,8 +320,8 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
 static cloth_status save_start(cloth_sim *sim, bool back, cloth_error *err)
 {
   const size_t row = 3 * sizeof(cloth_real);
-  if (cloth_flies(sim)) return CLOTH_OK;      // it keeps the start without copying
-  for (int i = 0; i < sim->part_count; i++) { // each its own rows
+  if (cloth_flies(sim) || (!back && cloth_springs_save(sim))) return CLOTH_OK; // without copies
+  for (int i = 0; i < sim->part_count; i++) {                                  // each its own rows
     cloth_part *p = &sim->part[i];
     size_t at = 3 * (size_t)p->v0, bytes = row * (size_t)(p->v1 - p->v0);
     cloth_real *x = p->x_t0 + at, *x_saved = p->x_saved + at;
@@ -410,9 +411,8 @@ static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)
   sim->report = report;
 }
 
-cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, cloth_error *err)
+static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cloth_error *err)
 {
-  cloth_sim *sim = data;
   double start = cloth_now_ms();
   int64_t allocations = sim->allocations, launches = sim->launches, growths = sim->growths;
   cloth_outcome result = OUTCOME_GOOD;
@@ -456,4 +456,13 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
     CLOTH_TRY(sim->backend->finish(sim->part[i].device, err));
   report->wall_ms = cloth_now_ms() - start;
   return CLOTH_OK;
+}
+
+cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, cloth_error *err)
+{
+  cloth_sim *sim = data;
+  cloth_range_begin(sim, "step");
+  cloth_status status = step(sim, h, report, err);
+  cloth_range_end(sim, 0); // a stage that failed left its own open
+  return status;
 }

@@ -120,6 +120,24 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
 }
 
 __global__ void __launch_bounds__(CHUNK_THREADS)
+    spring_chunk_kernel(const __grid_constant__ cloth_spring_chunk_args a)
+{
+  __shared__ cloth_real upper[CLOTH_SPRING_SUMS * CLOTH_WARP], larger;
+  int i = (int)blockIdx.x, k = a.first + i * CLOTH_CHUNK + (int)threadIdx.x;
+  cloth_real field[CLOTH_SPRING_FIELDS] = {}, sum[CLOTH_SPRING_SUMS];
+  if (k < cloth_chunk_end(a.first, a.count, i)) cloth_spring_chunk_particle(k, &a, field);
+  for (int f = 0; f < CLOTH_SPRING_SUMS; f++) sum[f] = field[CLOTH_SPRING_ENERGY + f];
+  cloth_block_chunk_sums(sum, upper);
+  cloth_real worst = chunk_larger(field[CLOTH_SPRING_WORST], &larger);
+  cloth_real speed_sq = chunk_larger(field[CLOTH_SPRING_SPEED], &larger);
+  if (threadIdx.x > 0) return;
+  cloth_real *out = a.out + CLOTH_SPRING_FIELDS * (a.first / CLOTH_CHUNK + i);
+  out[CLOTH_SPRING_WORST] = worst;
+  out[CLOTH_SPRING_SPEED] = cloth_sqrt(speed_sq);
+  for (int f = 0; f < CLOTH_SPRING_SUMS; f++) out[CLOTH_SPRING_ENERGY + f] = sum[f];
+}
+
+__global__ void __launch_bounds__(CHUNK_THREADS)
     correct_kernel(const __grid_constant__ cloth_correct_args a)
 {
   __shared__ cloth_real larger;
@@ -388,6 +406,7 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     CHUNKS(commit_chunk, commit_kernel);
     CHUNKS(fly_chunk, fly_kernel);
     CHUNKS(correct, correct_kernel);
+    CHUNKS(spring_chunk, spring_chunk_kernel);
     CHUNKS(reduce_max, max_kernel);
     BLOCKS(box_chunk, box_kernel, CLOTH_WARP);
     BLOCKS(pcg_alpha, alpha_kernel, CLOTH_PCG_LANES);
@@ -412,9 +431,9 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     return cloth_cuda_bend;
   case CLOTH_KERNEL_pair_share:
     return cloth_cuda_pair_share;
+  case CLOTH_KERNEL_zone_solve:
+    return cloth_cuda_zone_solve;
   default:
     return nullptr;
   }
 }
-  case CLOTH_KERNEL_zone_solve:
-    return cloth_cuda_zone_solve;

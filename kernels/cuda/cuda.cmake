@@ -41,11 +41,12 @@ function(cloth_cuda_library target)
 endfunction()
 
 set(CLOTH_CUDA_DIR ${CMAKE_CURRENT_LIST_DIR})
-cloth_cuda_library(cloth_cuda_common ${CLOTH_CUDA_DIR}/device.cu ${CLOTH_CUDA_DIR}/sort_scan.cu)
+cloth_cuda_library(cloth_cuda_common ${CLOTH_CUDA_DIR}/device.cu ${CLOTH_CUDA_DIR}/range.cu
+                   ${CLOTH_CUDA_DIR}/sort_scan.cu)
 foreach(precision f32 f64)
   cloth_cuda_library(cloth_cuda_${precision} ${CLOTH_CUDA_DIR}/launch.cu ${CLOTH_CUDA_DIR}/blocks.cu
                      ${CLOTH_CUDA_DIR}/assemble.cu ${CLOTH_CUDA_DIR}/elements.cu ${CLOTH_CUDA_DIR}/pairs.cu
-                     ${CLOTH_CUDA_DIR}/solve.cu ${CLOTH_CUDA_DIR}/solve_parts.cu
+                     ${CLOTH_CUDA_DIR}/solve.cu ${CLOTH_CUDA_DIR}/solve_parts.cu ${CLOTH_CUDA_DIR}/spring.cu
                      ${CLOTH_CUDA_DIR}/zones.cu)
 endforeach()
 target_compile_definitions(cloth_cuda_f32 PRIVATE CLOTH_SINGLE_PRECISION)

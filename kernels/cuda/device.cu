@@ -258,10 +258,12 @@ extern "C" const cloth_backend *cloth_backend_cuda(void)
     b.copy = copy, b.fill = fill;
     b.solve = cloth_cuda_solve;
     b.joined = cloth_cuda_joined, b.solve_parts = cloth_cuda_solve_parts;
+    b.spring_block = cloth_cuda_spring_block;
     b.launch = cloth_cuda_launch;
     b.sort = cloth_cuda_sort, b.scan = cloth_cuda_scan;
     b.event_new = event_new, b.event_free = event_free;
     b.record = record, b.wait = wait, b.elapsed = elapsed;
+    b.range_begin = cloth_cuda_range_begin, b.range_end = cloth_cuda_range_end;
     b.finish = finish;
     return b;
   }();

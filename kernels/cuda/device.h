@@ -16,6 +16,8 @@ struct cloth_device {
   int solve_blocks;    // of a cooperative launch; 0: not asked yet
   int cluster_blocks;  // of a cluster; 1: there are none
   int part_blocks;     // the same of solve_parts.cu
+  int spring_blocks;   // of a cluster of spring.cu; 0: not asked yet, 1: there are none
+  int spring_threads;  // most of a block there
 };
 
 struct cloth_event {
@@ -46,6 +48,10 @@ cloth_status cloth_cuda_sort(cloth_device *d, int n, int bits, uint64_t *key, ui
 cloth_status cloth_cuda_scan(cloth_device *d, int n, uint32_t *array, cloth_error *err);
 cloth_status cloth_cuda_solve(cloth_device *d, const struct cloth_pcg_solve_args *args,
                               cloth_error *err);
+cloth_status cloth_cuda_spring_block(cloth_device *d, const struct cloth_spring_block_args *args,
+                                     cloth_error *err);
 bool cloth_cuda_joined(int parts, cloth_device *const *device);
 cloth_status cloth_cuda_solve_parts(int parts, cloth_device *const *device,
                                     const struct cloth_pcg_part_args *args, cloth_error *err);
+void cloth_cuda_range_begin(const char *name);
+void cloth_cuda_range_end(void);

@@ -74,6 +74,7 @@
 #include "predict.h"
 #include "reduce_max.h"
 #include "shift_chunk.h"
+#include "spring_block.h"
 #include "spring_chunk.h"
 #include "spring_step.h"
 #include "tangle_find.h"

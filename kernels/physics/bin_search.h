@@ -23,20 +23,34 @@ CLOTH_FN int cloth_bin_same(cloth_bin a, int x, int y, int z)
   return a.x == x && a.y == y && a.z == z;
 }
 
-// adds the candidates in one cell to list[0, n); what does not fit is counted only
+/// Is particle j, which lies in the place of cell (x, y, z), a candidate of particle i at p?
+CLOTH_FN int cloth_bin_is_near(const cloth_bin_search_args *a, int i, cloth_v3 p, int x, int y,
+                               int z, int j)
+{
+  cloth_v3 q = cloth_v3_load(a->x, j), d = cloth_v3_sub(p, q);
+  if (!(cloth_v3_dot(d, d) < a->bins.reach * a->bins.reach) || j == i) return 0;
+  return cloth_bin_same(cloth_bin_of(&a->bins, q), x, y, z); // not another cell in the same place
+}
+
+/// Put j where it belongs in list[0, n), which is ascending; what does not fit is counted only.
+CLOTH_FN uint32_t cloth_bin_insert(const cloth_bin_search_args *a, uint32_t j, uint32_t n,
+                                   uint32_t *list)
+{
+  uint32_t at = n;
+  if (n >= a->room) return n + 1;
+  for (; at > 0 && list[at - 1] > j; at--) list[at] = list[at - 1];
+  list[at] = j;
+  return n + 1;
+}
+
+// adds the candidates in one cell to list[0, n)
 CLOTH_FN uint32_t cloth_bin_visit(const cloth_bin_search_args *a, int i, cloth_v3 p, int x, int y,
                                   int z, uint32_t n, uint32_t *list)
 {
   uint32_t place = cloth_bin_place(&a->bins, x, y, z);
-  for (uint32_t e = a->start[place]; e < a->start[place + 1]; e++) {
-    uint32_t j = a->particle[e], at = n;
-    cloth_v3 q = cloth_v3_load(a->x, (int)j), d = cloth_v3_sub(p, q);
-    if (!(cloth_v3_dot(d, d) < a->bins.reach * a->bins.reach) || (int)j == i) continue;
-    if (!cloth_bin_same(cloth_bin_of(&a->bins, q), x, y, z)) continue; // another cell, same place
-    if (n++ >= a->room) continue;
-    for (; at > 0 && list[at - 1] > j; at--) list[at] = list[at - 1];
-    list[at] = j;
-  }
+  for (uint32_t e = a->start[place]; e < a->start[place + 1]; e++)
+    if (cloth_bin_is_near(a, i, p, x, y, z, (int)a->particle[e]))
+      n = cloth_bin_insert(a, a->particle[e], n, list);
   return n;
 }
 

@@ -28,45 +28,52 @@ typedef struct cloth_particles {
   const cloth_real *mass;   // [count] kg
 } cloth_particles;
 
-/// Force [N] of particle j on particle i, zero when they do not touch; *touch counts up when they
-/// do.
-CLOTH_FN cloth_v3 cloth_particle_force(const cloth_particles *p, int i, int j, cloth_v3 d,
-                                       const cloth_real *v, int *touch)
+/// Distance [m] below which particles i and j push each other, with d from j to i; 0 where they do
+/// not touch.
+CLOTH_FN cloth_real cloth_particle_touch(const cloth_particles *p, int i, int j, cloth_v3 d)
 {
   cloth_real most = p->diameter, d_sq = cloth_v3_dot(d, d);
-  cloth_v3 none = cloth_v3_make(0, 0, 0);
-  if (!(d_sq < most * most)) return none;
+  if (!(d_sq < most * most)) return 0;
   cloth_real rest =
       cloth_v3_length(cloth_v3_sub(cloth_v3_load(p->x_rest, i), cloth_v3_load(p->x_rest, j)));
   if (rest < most) most = rest;
-  if (!(d_sq < most * most) || !(d_sq > 0)) return none;
-  ++*touch;
-  cloth_real l = cloth_sqrt(d_sq);
+  return d_sq < most * most && d_sq > 0 ? most : 0;
+}
+
+/// Force [N] of particle j on particle i that touch; w: velocity of i against j.
+CLOTH_FN cloth_v3 cloth_particle_force(const cloth_particles *p, int i, int j, cloth_real most,
+                                       cloth_v3 d, cloth_v3 w)
+{
+  cloth_real l = cloth_v3_length(d);
   cloth_real m = p->mass[i] * p->mass[j] / (p->mass[i] + p->mass[j]);
   cloth_real rate = m * p->inverse_step;
   cloth_v3 n = cloth_v3_scale(1 / l, d);
   cloth_real push = CLOTH_PARTICLE_PUSH * rate * p->inverse_step * (most - l);
   cloth_v3 f = cloth_v3_scale(push, n);
   if (!(p->friction > 0)) return f;
-  cloth_v3 w = cloth_v3_sub(cloth_v3_load(v, i), cloth_v3_load(v, j));
   w = cloth_v3_add_scaled(w, -cloth_v3_dot(w, n), n);
   cloth_real slip = cloth_v3_length(w), hold = CLOTH_PARTICLE_RUB * rate * slip;
   cloth_real rub = p->friction * push < hold ? p->friction * push : hold;
   return cloth_v3_add_scaled(f, slip > 0 ? -rub / slip : 0, w);
 }
 
-/// Force [N] of all that touch particle i; row: its row of candidates.
+/// Force [N] of all that touch particle i, in ascending order: the same sum from any list that has
+/// them all. row: its row of candidates; *touch counts up.
 CLOTH_FN cloth_v3 cloth_particle_sum(const cloth_particles *p, int row, int i, const cloth_real *x,
                                      const cloth_real *v, int *touch)
 {
-  cloth_v3 xi = cloth_v3_load(x, i), f = cloth_v3_make(0, 0, 0);
+  cloth_v3 xi = cloth_v3_load(x, i), vi = cloth_v3_load(v, i), f = cloth_v3_make(0, 0, 0);
   const uint32_t *list = p->listed ? p->candidate + (uint64_t)row * p->room : 0;
   uint32_t end = p->listed ? p->listed[row] : (uint32_t)p->count;
   for (uint32_t e = 0; e < end; e++) {
     int j = p->listed ? (int)list[e] : (int)e;
     if (j == i) continue;
-    f = cloth_v3_add(
-        f, cloth_particle_force(p, i, j, cloth_v3_sub(xi, cloth_v3_load(x, j)), v, touch));
+    cloth_v3 d = cloth_v3_sub(xi, cloth_v3_load(x, j));
+    cloth_real most = cloth_particle_touch(p, i, j, d);
+    if (!(most > 0)) continue;
+    ++*touch;
+    f = cloth_v3_add(f,
+                     cloth_particle_force(p, i, j, most, d, cloth_v3_sub(vi, cloth_v3_load(v, j))));
   }
   return f;
 }

@@ -47,72 +47,131 @@ typedef struct cloth_spring_step_args {
   const cloth_real *x_ref; // [n x 3] m, when they were found; NULL: not watched
   cloth_real drift[3];     // m, how far all went since on average
   cloth_real stray;        // m
-  uint32_t *strayed;       // [2] particles that did, and that went half as far: count up
+  uint32_t *strayed;       // [2] 1 when a particle did, when one went half as far
   uint32_t *touch; // [n x 2] contacts with particles, with bodies, written; NULL: not wanted
 } cloth_spring_step_args;
 
-// drag of the triangles around a particle [N]
-CLOTH_FN cloth_v3 cloth_spring_air_sum(const cloth_spring_air *a, int row, const cloth_real *x,
-                                       const cloth_real *v)
+// What does not change about a particle.
+typedef struct cloth_spring_particle {
+  int i, slot;           // slot: place among the held ones, -1: free
+  cloth_real mass, drag; // kg, 1/s
+} cloth_spring_particle;
+
+CLOTH_FN cloth_spring_particle cloth_spring_particle_of(const cloth_spring_step_args *a, int i)
 {
-  cloth_v3 f = cloth_v3_make(0, 0, 0), wind = cloth_v3_make(a->wind[0], a->wind[1], a->wind[2]);
-  for (uint32_t e = a->first[row]; e < a->first[row + 1]; e++) {
+  cloth_spring_particle p;
+  p.i = i, p.slot = a->holds.slot ? a->holds.slot[i] : -1;
+  p.mass = a->mass[i], p.drag = a->mass_drag ? a->mass_drag[i] : 0;
+  return p;
+}
+
+/// Drag of a triangle [N] on one of its corners. x, v: of the corners [m, m/s].
+CLOTH_FN cloth_v3 cloth_spring_air_force(const cloth_spring_air *a, const cloth_real *drag,
+                                         cloth_v3 x0, cloth_v3 x1, cloth_v3 x2, cloth_v3 v0,
+                                         cloth_v3 v1, cloth_v3 v2)
+{
+  cloth_v3 wind = cloth_v3_make(a->wind[0], a->wind[1], a->wind[2]);
+  cloth_v3 sum = cloth_v3_add(cloth_v3_add(v0, v1), v2);
+  cloth_v3 u = cloth_v3_sub(cloth_v3_scale((cloth_real)1 / 3, sum), wind);
+  cloth_drag_face face = cloth_drag_face_make(x0, x1, x2, u, a->half_density, drag);
+  return cloth_drag_face_force(&face);
+}
+
+/// Drag [N] of every LANES-th triangle around a particle, from `lane` on.
+CLOTH_FN cloth_v3 cloth_spring_air_share(const cloth_spring_air *a, int row, int lane,
+                                         const cloth_real *x, const cloth_real *v)
+{
+  cloth_v3 f = cloth_v3_make(0, 0, 0);
+  for (uint32_t e = a->first[row] + (uint32_t)lane; e < a->first[row + 1];
+       e += CLOTH_SPRING_LANES) {
     const int *t = a->triangle + 3 * e;
-    cloth_v3 sum = cloth_v3_add(cloth_v3_add(cloth_v3_load(v, t[0]), cloth_v3_load(v, t[1])),
-                                cloth_v3_load(v, t[2]));
-    cloth_v3 u = cloth_v3_sub(cloth_v3_scale((cloth_real)1 / 3, sum), wind);
-    cloth_drag_face face =
-        cloth_drag_face_make(cloth_v3_load(x, t[0]), cloth_v3_load(x, t[1]), cloth_v3_load(x, t[2]),
-                             u, a->half_density, a->drag + 2 * row);
-    f = cloth_v3_add(f, cloth_drag_face_force(&face));
+    f = cloth_v3_add(f, cloth_spring_air_force(a, a->drag + 2 * row, cloth_v3_load(x, t[0]),
+                                               cloth_v3_load(x, t[1]), cloth_v3_load(x, t[2]),
+                                               cloth_v3_load(v, t[0]), cloth_v3_load(v, t[1]),
+                                               cloth_v3_load(v, t[2])));
   }
   return f;
 }
 
-// has particle i strayed (NaN has), or at least half as far?
-CLOTH_FN void cloth_spring_watch(const cloth_spring_step_args *a, int i)
+/// Springs and air [N]: what the lanes gather, along the tree by which threads add it up.
+CLOTH_FN cloth_v3 cloth_spring_sum(const cloth_spring_step_args *a, int row)
 {
-  cloth_v3 d = cloth_v3_sub(cloth_v3_load(a->x, i), cloth_v3_load(a->x_ref, i));
-  d = cloth_v3_sub(d, cloth_v3_make(a->drift[0], a->drift[1], a->drift[2]));
+  cloth_v3 lane[CLOTH_SPRING_LANES];
+  for (int l = 0; l < CLOTH_SPRING_LANES; l++) {
+    lane[l] = cloth_v3_make(0, 0, 0);
+    if (a->springs.first)
+      lane[l] = cloth_spring_share(&a->springs, row, l, a->first + row, a->x, a->v);
+    if (a->air.first)
+      lane[l] = cloth_v3_add(lane[l], cloth_spring_air_share(&a->air, row, l, a->x, a->v));
+  }
+  for (int width = CLOTH_SPRING_LANES / 2; width > 0; width /= 2)
+    for (int l = 0; l < width; l++) lane[l] = cloth_v3_add(lane[l], lane[l + width]);
+  return lane[0];
+}
+
+/// How far a particle strayed since candidates were found: 0, 1 at least half as far as it may, 2
+/// farther than that (NaN has, too).
+CLOTH_FN int cloth_spring_strayed(const cloth_spring_step_args *a, cloth_v3 x, cloth_v3 x_ref)
+{
+  cloth_v3 d =
+      cloth_v3_sub(cloth_v3_sub(x, x_ref), cloth_v3_make(a->drift[0], a->drift[1], a->drift[2]));
   cloth_real far_sq = cloth_v3_dot(d, d), most_sq = a->stray * a->stray;
-  if (!(far_sq <= most_sq)) cloth_atomic_add(a->strayed, 1);
-  if (!(4 * far_sq <= most_sq)) cloth_atomic_add(a->strayed + 1, 1);
+  return !(far_sq <= most_sq) ? 2 : !(4 * far_sq <= most_sq) ? 1 : 0;
+}
+
+/// Tell of it.
+CLOTH_FN void cloth_spring_strayed_tell(const cloth_spring_step_args *a, int far)
+{
+  if (far > 0) cloth_atomic_or(a->strayed + 1, 1);
+  if (far > 1) cloth_atomic_or(a->strayed, 1);
+}
+
+/// Where a force f [N] takes a particle with position *x [m] and velocity *v [m/s] in a sub-step.
+/// *impulse: what its hold gave [N s]; *touch: how many bodies it met.
+CLOTH_FN void cloth_spring_move(const cloth_spring_step_args *a, const cloth_spring_particle *p,
+                                cloth_v3 f, cloth_v3 *x, cloth_v3 *v, cloth_v3 *impulse, int *touch)
+{
+  cloth_real h = a->h, m = p->mass;
+  if (p->slot >= 0 && !(a->holds.free[p->i] > 0)) {
+    cloth_v3 end = cloth_v3_load(a->holds.aim, p->slot);
+    cloth_v3 v_end = cloth_v3_scale(1 / h, cloth_v3_sub(end, *x));
+    *impulse = cloth_v3_add_scaled(cloth_v3_scale(m, cloth_v3_sub(v_end, *v)), -h, f);
+    *x = end, *v = v_end;
+    return;
+  }
+  if (p->slot >= 0) {
+    cloth_v3 pull = cloth_v3_scale(a->holds.stiffness[p->i],
+                                   cloth_v3_sub(cloth_v3_load(a->holds.aim, p->slot), *x));
+    f = cloth_v3_add(f, pull);
+    *impulse = cloth_v3_scale(h, pull);
+  }
+  *v = cloth_v3_add_scaled(*v, h / m, f);
+  if (a->mass_drag) *v = cloth_v3_scale(1 / (1 + h * p->drag), *v); // implicit
+  *x = cloth_shapes_move(&a->shapes, h, *x, v, touch);
+}
+
+/// What a hold gave in a sub-step [N s].
+CLOTH_FN void cloth_spring_impulse_add(const cloth_spring_step_args *a, int slot, cloth_v3 impulse)
+{
+  cloth_v3 sum = cloth_v3_load(a->holds.impulse, slot);
+  cloth_v3_store(a->holds.impulse, slot, cloth_v3_add(sum, impulse));
 }
 
 CLOTH_FN void cloth_spring_step(int row, const cloth_spring_step_args *a)
 {
   int i = a->first + row, with_particles = 0, with_bodies = 0;
-  cloth_real h = a->h, m = a->mass[i];
-  cloth_v3 x = cloth_v3_load(a->x, i), v = cloth_v3_load(a->v, i);
-  cloth_v3 f = cloth_v3_scale(m, cloth_v3_make(a->gravity[0], a->gravity[1], a->gravity[2]));
-  if (a->springs.first) f = cloth_v3_add(f, cloth_spring_sum(&a->springs, row, i, a->x, a->v));
-  if (a->air.first) f = cloth_v3_add(f, cloth_spring_air_sum(&a->air, row, a->x, a->v));
+  cloth_spring_particle p = cloth_spring_particle_of(a, i);
+  cloth_v3 x = cloth_v3_load(a->x, i), v = cloth_v3_load(a->v, i), impulse = cloth_v3_make(0, 0, 0);
+  cloth_v3 f = cloth_v3_scale(p.mass, cloth_v3_make(a->gravity[0], a->gravity[1], a->gravity[2]));
+  f = cloth_v3_add(f, cloth_spring_sum(a, row));
   if (a->particles.count > 0)
     f = cloth_v3_add(f, cloth_particle_sum(&a->particles, row, i, a->x, a->v, &with_particles));
-  if (a->x_ref) cloth_spring_watch(a, i);
-
-  int slot = a->holds.slot ? a->holds.slot[i] : -1;
-  cloth_v3 end, v_end;
-  if (slot >= 0 && !(a->holds.free[i] > 0)) {
-    end = cloth_v3_load(a->holds.aim, slot);
-    v_end = cloth_v3_scale(1 / h, cloth_v3_sub(end, x));
-    cloth_v3 impulse = cloth_v3_add_scaled(cloth_v3_scale(m, cloth_v3_sub(v_end, v)), -h, f);
-    cloth_v3_store(a->holds.impulse, slot,
-                   cloth_v3_add(cloth_v3_load(a->holds.impulse, slot), impulse));
-  } else {
-    if (slot >= 0) {
-      cloth_v3 pull =
-          cloth_v3_scale(a->holds.stiffness[i], cloth_v3_sub(cloth_v3_load(a->holds.aim, slot), x));
-      f = cloth_v3_add(f, pull);
-      cloth_v3_store(a->holds.impulse, slot,
-                     cloth_v3_add_scaled(cloth_v3_load(a->holds.impulse, slot), h, pull));
-    }
-    v_end = cloth_v3_add_scaled(v, h / m, f);
-    if (a->mass_drag) v_end = cloth_v3_scale(1 / (1 + h * a->mass_drag[i]), v_end); // implicit
-    end = cloth_shapes_move(&a->shapes, h, x, &v_end, &with_bodies);
-  }
-  cloth_v3_store(a->x_next, i, end);
-  cloth_v3_store(a->v_next, i, v_end);
+  if (a->x_ref)
+    cloth_spring_strayed_tell(a, cloth_spring_strayed(a, x, cloth_v3_load(a->x_ref, i)));
+  cloth_spring_move(a, &p, f, &x, &v, &impulse, &with_bodies);
+  if (p.slot >= 0) cloth_spring_impulse_add(a, p.slot, impulse);
+  cloth_v3_store(a->x_next, i, x);
+  cloth_v3_store(a->v_next, i, v);
   if (a->touch)
     a->touch[2 * i] = (uint32_t)with_particles, a->touch[2 * i + 1] = (uint32_t)with_bodies;
 }

@@ -2,6 +2,7 @@
 // All of it is written before the block starts, so that the sub-steps need nothing of the host.
 #include "effect/effect.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 // ---- holds --------------------------------------------------------------------------------------
@@ -116,6 +117,23 @@ void cloth_spring_wrenches_scale(cloth_sim *sim, double factor)
 
 // ---- bodies -------------------------------------------------------------------------------------
 
+// Bodies that rest are written when they came to rest, not in every block.
+static bool resting_known(const cloth_sim *sim, size_t count)
+{
+  const cloth_springs *s = &sim->springs;
+  return s->told_count == count && memcmp(s->told, sim->host, sizeof *s->told * count) == 0;
+}
+
+static cloth_status resting_keep(cloth_sim *sim, size_t count, cloth_error *err)
+{
+  cloth_springs *s = &sim->springs;
+  cloth_real *told = realloc(s->told, sizeof *told * count);
+  if (told == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "poses: %zu numbers", count);
+  s->told = told, s->told_count = count;
+  memcpy(told, sim->host, sizeof *told * count);
+  return CLOTH_OK;
+}
+
 // poses of all bodies at the start of a block and after each of its sub-steps
 cloth_status cloth_spring_poses_write(cloth_sim *sim, cloth_spring_frame *f, int begin, int end,
                                       cloth_error *err)
@@ -136,10 +154,12 @@ cloth_status cloth_spring_poses_write(cloth_sim *sim, cloth_spring_frame *f, int
       cloth_pose_matrix(&pose, sim->host + row * (size_t)k + 12 * (size_t)b);
     }
   sim->report->bodies_near = bodies;
+  if (rows == 1 && resting_known(sim, row)) return CLOTH_OK;
+  sim->springs.told_count = 0;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_grow(sim, p, "shape_pose", bytes, &p->spring.shape_pose, err));
     CLOTH_TRY(sim->backend->write(p->device, p->spring.shape_pose, sim->host, bytes, err));
   }
-  return CLOTH_OK;
+  return rows == 1 ? resting_keep(sim, row, err) : CLOTH_OK;
 }

@@ -35,7 +35,10 @@ cloth_status cloth_spring_add(cloth_springs *s, const cloth_spring *spring, clot
   return CLOTH_OK;
 }
 
-void cloth_springs_free(cloth_springs *s) { free(s->list), free(s->stiffness), free(s->damping); }
+void cloth_springs_free(cloth_springs *s)
+{
+  free(s->list), free(s->stiffness), free(s->damping), free(s->told);
+}
 
 // ---- step limit ---------------------------------------------------------------------------------
 

@@ -3,12 +3,15 @@
 // x and v_next are the second buffers, and the two pairs swap at every sub-step.
 #pragma once
 
-#include "real.h"
+#include "spring_block.h"
 #include "status.h"
 
 #include <stdbool.h>
 
-enum { CLOTH_MASS_SPRING = 1 }; // a choice of the parameter `integrator`
+enum {
+  CLOTH_MASS_SPRING = 1, // a choice of the parameter `integrator`
+  CLOTH_SPRING_HEAD = 4  // of cloth_spring_part.sums
+};
 
 typedef enum cloth_spring_kind {
   CLOTH_SPRING_STRETCH, // neighbours: sides of a lattice's cells, edges of a mesh
@@ -33,8 +36,11 @@ typedef struct cloth_springs {
   int limited_by;              // vertex whose row sets the limit
   bool holds_known;            // the parts' slots are those of the present holds
   // between two searches: none of this shows in the result
-  int block;                      // sub-steps that may go well
-  double mean[3], mean_change[3]; // m/s, m/s^2: how all particles moved on average
+  int block;                                   // sub-steps that may go well
+  double mean[3], mean_change[3];              // m/s, m/s^2: how all particles moved on average
+  cloth_real wind[3 * CLOTH_SPRING_BLOCK_MAX]; // m/s, of the sub-steps of a block
+  cloth_real *told;                            // poses of bodies that rest, as the parts have them
+  size_t told_count;
 } cloth_springs;
 
 /// On the device of a part.
@@ -48,14 +54,15 @@ typedef struct cloth_spring_part {
   int *shape_kind; // bodies, see shape_contact.h
   cloth_real *shape_size, *shape_friction, *shape_pose;
   int *slot; // holds
-  cloth_real *aim, *impulse;
+  cloth_real *aim, *impulse, *wind;
   uint64_t *bin, *bin_spare; // bins and candidates
   uint32_t *binned, *binned_spare, *bin_first;
   uint32_t *listed, *candidate, candidate_room; // see particle.h
-  uint32_t *sums; // candidates, rows without room, particles that strayed, that went half as far
+  uint32_t *sums; // [CLOTH_SPRING_HEAD] candidates, rows without room, particles that strayed, that
+                  // went half as far
   cloth_real *x_ref, *v_ref; // [n x 3] m, m/s at the last search
   uint32_t *touch;           // [n x 2] contacts
-  cloth_real *chunk;         // [chunks x CLOTH_SPRING_FIELDS]
+  cloth_real *chunk;         // [chunks x CLOTH_SPRING_FIELDS], behind the sums: one read
 } cloth_spring_part;
 
 struct cloth_sim;
@@ -73,6 +80,9 @@ double cloth_spring_limit(const struct cloth_sim *sim, int vertex, double held);
 /// What a part holds of it.
 cloth_status cloth_springs_upload(struct cloth_sim *sim, struct cloth_part *part, cloth_error *err);
 
+/// Does a block of sub-steps that begins a step keep the state that the step began with?
+bool cloth_springs_save(const struct cloth_sim *sim);
+
 /// One step of h seconds in sub-steps. *good: all is finite and within bounds at its end.
 cloth_status cloth_springs_advance(struct cloth_sim *sim, double h, bool *good, cloth_error *err);
 
@@ -87,16 +97,27 @@ cloth_status cloth_springs_net(struct cloth_sim *sim, cloth_error *err);
 /// How far a particle may stray from the average way before candidates are searched again [m].
 double cloth_spring_stray(const struct cloth_sim *sim);
 
-/// Candidates of a part from its present state (search.c). Queued; the number of candidates is
-/// known afterwards, see cloth_spring_searched().
-cloth_status cloth_spring_search(struct cloth_sim *sim, struct cloth_part *part, cloth_error *err);
-
 typedef struct cloth_spring_verdict {
   bool room;            // all candidates found room
   bool strayed, nearly; // somebody strayed since the search, went half as far
 } cloth_spring_verdict;
 
-/// What became of a search: adds to the verdict, and makes room if there was none.
+/// What the counts of a search say: adds to the verdict, and makes room if there was none.
+cloth_status cloth_spring_found(struct cloth_sim *sim, struct cloth_part *part,
+                                const uint32_t sum[CLOTH_SPRING_HEAD],
+                                cloth_spring_verdict *verdict, cloth_error *err);
+
+/// Does the backend take whole blocks of sub-steps?
+bool cloth_springs_at_once(const struct cloth_sim *sim);
+
+/// Where a part keeps its candidates, and what makes one.
+cloth_bin_search_args cloth_spring_find(const struct cloth_sim *sim, const struct cloth_part *part);
+
+/// Candidates of a part from its present state (search.c). Queued; the number of candidates is
+/// known afterwards, see cloth_spring_searched().
+cloth_status cloth_spring_search(struct cloth_sim *sim, struct cloth_part *part, cloth_error *err);
+
+/// What became of a search, read from the part.
 cloth_status cloth_spring_searched(struct cloth_sim *sim, struct cloth_part *part,
                                    cloth_spring_verdict *verdict, cloth_error *err);
 

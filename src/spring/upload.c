@@ -180,9 +180,11 @@ cloth_status cloth_springs_upload(cloth_sim *sim, cloth_part *p, cloth_error *er
 {
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   size_t n = (size_t)sim->vertex_count;
-  CLOTH_TRY(cloth_take(sim, p, "chunk",
-                       sizeof(cloth_real) * CLOTH_SPRING_FIELDS * (size_t)sim->chunks,
-                       &p->spring.chunk, err));
+  CLOTH_TRY(cloth_take(sim, p, "sums",
+                       sizeof(uint32_t) * CLOTH_SPRING_HEAD +
+                           sizeof(cloth_real) * CLOTH_SPRING_FIELDS * (size_t)sim->chunks,
+                       &p->spring.sums, err));
+  p->spring.chunk = (cloth_real *)(void *)(p->spring.sums + CLOTH_SPRING_HEAD);
   sim->owner = CLOTH_EFFECT_springs;
   if (sim->active[CLOTH_EFFECT_springs]) {
     CLOTH_TRY(upload_springs(sim, p, err));

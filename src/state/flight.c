@@ -116,13 +116,13 @@ cloth_status cloth_flight_advance(cloth_sim *sim, double h, bool *good, cloth_er
 {
   int parts = sim->params.substeps;
   for (int s = 0; s < parts; s++) {
-    double start = cloth_now_ms();
+    double start = cloth_stage_open(sim, CLOTH_STAGE_predict);
     sim->h = h / parts;
     sim->time_t0 = sim->time + s * sim->h;
     CLOTH_TRY(aim_holds(sim, (s + 1.0) / parts, err));
     CLOTH_TRY(fly(sim, err));
-    cloth_stage_charge(sim, CLOTH_STAGE_predict, cloth_now_ms() - start);
-    start = cloth_now_ms();
+    cloth_stage_close(sim, CLOTH_STAGE_predict, start);
+    start = cloth_stage_open(sim, CLOTH_STAGE_commit);
     CLOTH_TRY(measure_holds(sim, err));
     CLOTH_TRY(judge(sim, good, err));
     for (int i = 0; i < sim->part_count; i++) {
@@ -132,7 +132,7 @@ cloth_status cloth_flight_advance(cloth_sim *sim, double h, bool *good, cloth_er
       if (exchange) swap(&p->x_t0, &p->x_saved), swap(&p->v, &p->v_saved);
       if (*good) swap(&p->x_t0, &p->x), swap(&p->v, &p->v_next);
     }
-    cloth_stage_charge(sim, CLOTH_STAGE_commit, cloth_now_ms() - start);
+    cloth_stage_close(sim, CLOTH_STAGE_commit, start);
     if (!*good) break;
   }
   return CLOTH_OK;

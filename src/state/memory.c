@@ -123,16 +123,52 @@ void cloth_stage_charge(cloth_sim *sim, cloth_stage stage, double ms)
   sim->report->stages_skipped &= ~((uint64_t)1 << stage);
 }
 
-// a launch of an effect: the host's clock where it runs at once, the device's where that is asked
-// for
-static cloth_status launch_timed(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n,
-                                 const void *args, cloth_error *err)
+void cloth_range_begin(cloth_sim *sim, const char *name)
+{
+  if (sim->backend->range_begin != NULL) sim->backend->range_begin(name);
+  sim->ranges++;
+}
+
+void cloth_range_end(cloth_sim *sim, int left_open)
+{
+  for (; sim->ranges > left_open; sim->ranges--)
+    if (sim->backend->range_end != NULL) sim->backend->range_end();
+}
+
+double cloth_stage_open(cloth_sim *sim, cloth_stage stage)
+{
+  cloth_range_begin(sim, cloth_stage_name(stage));
+  return cloth_now_ms();
+}
+
+void cloth_stage_close(cloth_sim *sim, cloth_stage stage, double start)
+{
+  cloth_stage_charge(sim, stage, cloth_now_ms() - start);
+  cloth_range_end(sim, sim->ranges - 1);
+}
+
+// Queue one kernel, of the table or, without args, a block of sub-steps.
+static cloth_status queue(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
+                          const cloth_spring_block_args *block, cloth_error *err)
+{
+  if (block) return sim->backend->spring_block(part->device, block, err);
+  return sim->backend->launch(part->device, k, n, args, err);
+}
+
+// counted, and for an effect timed: by the host's clock where it runs at once, by the device's
+// where that is asked for
+static cloth_status queue_timed(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n,
+                                const void *args, const cloth_spring_block_args *block,
+                                cloth_error *err)
 {
   const cloth_backend *be = sim->backend;
+  sim->launches++;
+  if (sim->owner < 0) return queue(sim, part, k, n, args, block, err);
   double *sum = &sim->effect_ms[sim->owner], start = cloth_now_ms(), ms = 0;
   bool events = be->elapsed != NULL, asked = events && sim->params.profile > 1;
+  sim->effect_launches[sim->owner]++;
   if (asked) CLOTH_TRY(be->record(part->device, CLOTH_COMPUTE, part->launch_begin, err));
-  CLOTH_TRY(be->launch(part->device, k, n, args, err));
+  CLOTH_TRY(queue(sim, part, k, n, args, block, err));
   if (!events) {
     *sum += cloth_now_ms() - start;
   } else if (asked) {
@@ -146,9 +182,11 @@ static cloth_status launch_timed(cloth_sim *sim, cloth_part *part, cloth_kernel 
 cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
                           cloth_error *err)
 {
-  if (n <= 0) return CLOTH_OK;
-  sim->launches++;
-  if (sim->owner < 0) return sim->backend->launch(part->device, k, n, args, err);
-  sim->effect_launches[sim->owner]++;
-  return launch_timed(sim, part, k, n, args, err);
+  return n > 0 ? queue_timed(sim, part, k, n, args, NULL, err) : CLOTH_OK;
+}
+
+cloth_status cloth_launch_spring_block(cloth_sim *sim, cloth_part *part,
+                                       const cloth_spring_block_args *block, cloth_error *err)
+{
+  return queue_timed(sim, part, CLOTH_KERNEL_spring_step, block->rows, NULL, block, err);
 }

@@ -161,7 +161,7 @@ typedef struct cloth_part {
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
-  cloth_hat_share hat_share; // joined parts: whose nodes are whose; hat_block: own rows alone
+  cloth_hat_share hat_share;      // joined parts: whose nodes are whose; hat_block: own rows alone
   uint32_t *reader_mesh, *reader; // [rows of the part] of the mesh, of all: halo_contact.h; NULL
                                   // where parts are not joined
   uint32_t *chunk_reader, *halo_place, *halo_order; // [chunks of the part (+ 1)] halo_order.h
@@ -270,6 +270,7 @@ struct cloth_sim {
   int64_t effect_launches[CLOTH_EFFECTS_MAX];
   double effect_ms[CLOTH_EFFECTS_MAX];
   int64_t launches, allocations, growths;
+  int ranges; // open
   uint64_t bytes;
   int owner; // of launches and allocations that happen now
 
@@ -335,6 +336,10 @@ void cloth_drop(cloth_sim *sim, cloth_part *part, int owner);
 cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
                           cloth_error *err);
 
+/// The same for a block of sub-steps, where the backend takes them at once.
+cloth_status cloth_launch_spring_block(cloth_sim *sim, cloth_part *part,
+                                       const cloth_spring_block_args *block, cloth_error *err);
+
 /// Particles and springs instead of a solve (src/spring/)?
 static inline bool cloth_is_mass_spring(const cloth_sim *sim)
 {
@@ -359,6 +364,15 @@ double cloth_now_ms(void);
 
 /// A stage ran, for so many ms: into the report.
 void cloth_stage_charge(cloth_sim *sim, cloth_stage stage, double ms);
+
+/// A stage begins: the clock, and a range for profilers. cloth_stage_close() charges the time
+/// since.
+double cloth_stage_open(cloth_sim *sim, cloth_stage stage);
+void cloth_stage_close(cloth_sim *sim, cloth_stage stage, double start);
+
+/// Ranges for profilers, where the backend has them; all that are open end with the step.
+void cloth_range_begin(cloth_sim *sim, const char *name);
+void cloth_range_end(cloth_sim *sim, int left_open);
 
 /// Rows of chunks that a part owns.
 static inline int cloth_part_chunks(const cloth_part *p) { return (p->v1 - p->v0 + 63) / 64; }
@@ -478,7 +492,8 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
-/// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's end.
+/// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's
+/// end.
 bool cloth_hold_clear_force(const cloth_sim *sim, cloth_hold_state *hold, cloth_pose *frame);
 /// f [N] that the hold exerts at x [m] adds to its wrench about its frame.
 void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],

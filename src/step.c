@@ -479,3 +479,12 @@ cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, clo
   cloth_range_end(sim, 0); // a stage that failed left its own open
   return status;
 }
+
+cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, cloth_error *err)
+{
+  cloth_sim *sim = data;
+  cloth_range_begin(sim, "step");
+  cloth_status status = step(sim, h, report, err);
+  cloth_range_end(sim, 0); // a stage that failed left its own open
+  return status;
+}

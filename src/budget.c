@@ -13,6 +13,9 @@ static const double DOWN = 0.5, UP = 0.05;
 // repeated at half their length, which costs more than the second system.
 enum { LEAST_NEWTON = 2 };
 static const double LOOSEST = 0.1; // pcg_tolerance; the parameter's own upper end
+// With accuracy: a tenth of it, and no more than what cloth that whips bears. Less than that changes
+// no error any more (doc/budget.md).
+static const double OF_ACCURACY = 0.1, WHIPS = 1e-3, TIGHTEST = 1e-7;
 
 void cloth_budget_reset(cloth_budget *b) { *b = (cloth_budget){.level = 1}; }
 
@@ -34,6 +37,11 @@ cloth_tuning cloth_budget_choose(const cloth_budget *b, const cloth_params *p)
       .newton_iterations = between(LEAST_NEWTON, p->newton_iterations_max, b->level),
       .contact_rounds = between(1, p->contact_rounds_max, b->level),
   };
+}
+
+double cloth_accuracy_tolerance(const cloth_params *p)
+{
+  return fmin(fmin(p->pcg_tolerance, WHIPS), fmax(OF_ACCURACY * p->accuracy, TIGHTEST));
 }
 
 // ---- the window ---------------------------------------------------------------------------------

@@ -28,6 +28,10 @@ cloth_tuning cloth_budget_choose(const cloth_budget *b, const cloth_params *para
 /// A step took `ms` of `allowed`: count it and move the level.
 void cloth_budget_measured(cloth_budget *b, double allowed, double ms);
 
+/// The pcg_tolerance of the parameter accuracy: a tenth of it, 1e-3, or the parameter's,
+/// whichever is least.
+double cloth_accuracy_tolerance(const cloth_params *params);
+
 /// The fields of the report.
 void cloth_budget_report(const cloth_budget *b, double allowed, const cloth_tuning *chosen,
                          cloth_step_report *report);

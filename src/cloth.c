@@ -35,10 +35,30 @@ static cloth_status rest_positions(cloth_scene *s, cloth_error *err)
   return CLOTH_OK;
 }
 
+enum { MASS_SPRING = 1 }; // a choice of the parameter integrator
+
+// the two ends of one trade; and an integrator whose step is its stability's
+static cloth_status check_accuracy(const cloth_params *p, cloth_error *err)
+{
+  if (!(p->accuracy > 0)) return CLOTH_OK;
+  if (p->time_budget != 0)
+    CLOTH_FAIL(
+        err, CLOTH_BAD_ARGUMENT,
+        "accuracy = %g [1] and time_budget = %g [ms] are both set: one of them is to be held",
+        p->accuracy, p->time_budget);
+  if (p->integrator == MASS_SPRING)
+    CLOTH_FAIL(err, CLOTH_UNSUPPORTED,
+               "accuracy = %g [1]: integrator mass_spring has no estimate of its error; "
+               "backward_euler and bdf2 have",
+               p->accuracy);
+  return CLOTH_OK;
+}
+
 static cloth_status check(const cloth_def *def, cloth_error *err)
 {
   if (def == NULL) CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "no description");
   CLOTH_TRY(cloth_params_check(&def->params, err));
+  CLOTH_TRY(check_accuracy(&def->params, err));
   if (def->cloth_count == 0)
     CLOTH_FAIL(err, CLOTH_BAD_SCENE, "the scene has no cloth: nothing to simulate");
   for (int c = 0; c < def->cloth_count; c++)
@@ -103,6 +123,7 @@ static void choose(cloth_scene *s, double allowed)
   const cloth_params *p = &s->def->params;
   if (s->tuned) return;
   cloth_tuning t = {p->pcg_tolerance, p->newton_iterations_max, p->contact_rounds_max};
+  if (p->accuracy > 0) t.pcg_tolerance = cloth_accuracy_tolerance(p);
   if (allowed > 0) {
     t = cloth_budget_choose(&s->budget, p);
     cloth_record_tune(s->recorder, &t); // wall time does not come again, so a replay must know
@@ -127,6 +148,7 @@ cloth_status cloth_step(cloth_scene *s, double h, cloth_step_report *report, clo
     cloth_budget_measured(&s->budget, allowed, report->wall_ms);
     cloth_budget_report(&s->budget, allowed, &s->chosen, report);
   }
+  if (s->def->params.accuracy > 0) report->chosen_pcg_tolerance = s->chosen.pcg_tolerance;
   report->state_hash = 0;
   if (status == CLOTH_OK && (s->hash_steps || s->recorder != NULL))
     status = CALL(s, hash, &report->state_hash, err);

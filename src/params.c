@@ -190,6 +190,23 @@ static cloth_status set_int(const cloth_param_info *p, char *field, const char *
   return CLOTH_OK;
 }
 
+// a number, or a word or a spelling that only this parameter has: real_time; 1 %
+static bool parse_double(const cloth_param_info *p, const char *value, double *out)
+{
+  if (strcmp(p->name, "time_budget") == 0 && strcmp(value, "real_time") == 0)
+    return *out = -1, true;
+  const char *percent = strcmp(p->name, "accuracy") == 0 ? strchr(value, '%') : NULL;
+  if (percent == NULL) return cloth_number_parse(value, out);
+  char number[64];
+  if (percent - value >= (int)sizeof number || percent[1 + strspn(percent + 1, " \t\r\n")] != '\0')
+    return false;
+  memcpy(number, value, (size_t)(percent - value));
+  number[percent - value] = '\0';
+  if (!cloth_number_parse(number, out)) return false;
+  *out /= 100;
+  return true;
+}
+
 cloth_status cloth_param_set(const cloth_param_info *table, void *base, const char *name,
                              const char *value, cloth_error *err)
 {
@@ -207,11 +224,10 @@ cloth_status cloth_param_set(const cloth_param_info *table, void *base, const ch
   case CLOTH_IS_INT:
     return set_int(p, field, value, err);
   case CLOTH_IS_DOUBLE:
-    if (strcmp(name, "time_budget") == 0 && strcmp(value, "real_time") == 0)
-      number[0] = -1;
-    else if (!cloth_number_parse(value, number))
-      CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "%s = '%s' is not a number; [%s] in [%g, %g]", p->name,
-                 value, p->unit, p->least, p->most);
+    if (!parse_double(p, value, number))
+      CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "%s = '%s' is not a number%s; [%s] in [%g, %g]", p->name,
+                 value, strcmp(name, "accuracy") == 0 ? " such as 0.01 or 1 %" : "", p->unit,
+                 p->least, p->most);
     CLOTH_TRY(check_range(p, number, err));
     memcpy(field, number, sizeof *number);
     return CLOTH_OK;

@@ -11,6 +11,7 @@
 #include "shift_chunk.h"
 #include "state/bdf2.h"
 #include "state/commit.h"
+#include "state/control.h"
 #include "state/cutting.h"
 #include "state/flight.h"
 #include "state/state.h"
@@ -280,6 +281,7 @@ static cloth_status stand(cloth_sim *sim, cloth_outcome result, cloth_error *err
   if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
   report->newton_correction = fmax(report->newton_correction, sim->correction);
   report->error_estimate = fmax(report->error_estimate, sim->error_estimate);
+  cloth_control_add(sim, sim->error_mean);
   return CLOTH_OK;
 }
 
@@ -289,7 +291,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
   cloth_cutting c;
   CLOTH_TRY(cloth_cutting_begin(sim, h, &c, err));
   double done = 0;
-  sim->h_contact = h * c.share;
+  sim->h_contact = h * c.share * c.finer;
   while (done < 1) {
     double to = done + c.share < 1 - 1e-9 ? done + c.share : 1;
     sim->h = (to - done) * h;
@@ -309,10 +311,18 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
       continue;
     }
     if (*result == OUTCOME_UNSTABLE) return CLOTH_OK;
+    int cut = cloth_control_cut(sim, &c, to - done);
+    if (cut > 1) {
+      sim->report->accuracy_repeats++;
+      c.share /= cut, c.finer *= cut;
+      sim->pairs_valid = false;
+      continue;
+    }
     CLOTH_TRY(stand(sim, *result, err));
     done = to;
   }
   cloth_cutting_end(sim, &c);
+  cloth_control_end(sim, h, (int)(1 / c.share + 0.5));
   return CLOTH_OK;
 }
 

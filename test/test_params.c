@@ -97,6 +97,35 @@ static int a_material_must_be_positive_definite(void)
   return 0;
 }
 
+static int an_accuracy_is_a_share_or_so_many_per_cent(void)
+{
+  static const char *const good[] = {"0.01", "1 %", "1%", " 1.0 % ", "1e0\t%"};
+  static const char *const bad[] = {"1 %%", "% 1", "%", "1 % m", "one %", "1 m", "", "0x1p-7 %"};
+  static const char *const outside[] = {"0.6", "1", "51 %", "-1 %", "nan %"};
+  cloth_params p = cloth_params_default();
+  cloth_error err = {0};
+  for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+    p.accuracy = 0;
+    CHECK_OK(cloth_param_set(cloth_param_table(), &p, "accuracy", good[i], &err), err);
+    CHECK_NEAR(p.accuracy, 0.01, 1e-16);
+  }
+  for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    err = (cloth_error){0};
+    CHECK(cloth_param_set(cloth_param_table(), &p, "accuracy", bad[i], &err) == CLOTH_BAD_ARGUMENT);
+    CHECK(strstr(err.text, "0.01 or 1 %") != NULL && strstr(err.text, "[0, 0.5]") != NULL);
+  }
+  for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
+    err = (cloth_error){0};
+    CHECK(cloth_param_set(cloth_param_table(), &p, "accuracy", outside[i], &err) ==
+          CLOTH_BAD_ARGUMENT);
+    CHECK(strstr(err.text, "[0, 0.5]") != NULL);
+  }
+  CHECK_NEAR(p.accuracy, 0.01, 1e-16);
+  // a share of what it does not say stays a misspelling
+  CHECK(cloth_param_set(cloth_param_table(), &p, "friction", "30 %", &err) == CLOTH_BAD_ARGUMENT);
+  return 0;
+}
+
 static int unknown_names_get_the_nearest(void)
 {
   static const char *const pairs[][2] = {{"thicknes", "thickness"},
@@ -187,6 +216,7 @@ int main(int argc, char **argv)
   RUN(both_ends_of_every_range_are_in_it);
   RUN(tables_hold_the_defaults_of_the_structs);
   RUN(a_material_must_be_positive_definite);
+  RUN(an_accuracy_is_a_share_or_so_many_per_cent);
   RUN(unknown_names_get_the_nearest);
   RUN(wrong_types_say_what_was_expected);
   RUN(text_sets_every_kind);

@@ -87,9 +87,9 @@ __device__ cloth_real chunk_larger(cloth_real v, cloth_real *shared)
 // the fields of the block's chunk from those of its threads
 __device__ void commit_fields(const cloth_real *field, cloth_real *out)
 {
-  __shared__ cloth_real upper[4 * CLOTH_WARP], larger;
-  cloth_real sum[4];
-  for (int f = 0; f < 4; f++) sum[f] = field[CLOTH_COMMIT_ENERGY + f];
+  __shared__ cloth_real upper[CLOTH_COMMIT_SUMS * CLOTH_WARP], larger;
+  cloth_real sum[CLOTH_COMMIT_SUMS];
+  for (int f = 0; f < CLOTH_COMMIT_SUMS; f++) sum[f] = field[CLOTH_COMMIT_ENERGY + f];
   cloth_block_chunk_sums(sum, upper);
   cloth_real worst = chunk_larger(field[CLOTH_COMMIT_WORST], &larger);
   cloth_real speed = chunk_larger(field[CLOTH_COMMIT_SPEED], &larger);
@@ -98,7 +98,7 @@ __device__ void commit_fields(const cloth_real *field, cloth_real *out)
   out[CLOTH_COMMIT_WORST] = worst;
   out[CLOTH_COMMIT_SPEED] = cloth_sqrt(speed);
   out[CLOTH_COMMIT_CHANGE] = cloth_sqrt(change);
-  for (int f = 0; f < 4; f++) out[CLOTH_COMMIT_ENERGY + f] = sum[f];
+  for (int f = 0; f < CLOTH_COMMIT_SUMS; f++) out[CLOTH_COMMIT_ENERGY + f] = sum[f];
 }
 
 __global__ void __launch_bounds__(CHUNK_THREADS)

@@ -264,7 +264,9 @@ void checkSceneType(const string &name, const cloth_param_info *info, XmlRpcValu
 {
   switch (info->kind) {
   case cloth_param_info::CLOTH_IS_DOUBLE:
-    if (string(info->name) == "time_budget" && v.getType() == XmlRpcValue::TypeString) break;
+    if (v.getType() == XmlRpcValue::TypeString &&
+        (string(info->name) == "time_budget" || string(info->name) == "accuracy"))
+      break; // real_time; 1 %
     number(name, v);
     break;
   case cloth_param_info::CLOTH_IS_INT:

@@ -80,7 +80,7 @@ cloth_status cloth_sim_reset(void *data, cloth_error *err)
   cloth_sim *sim = data;
   size_t n = 3 * (size_t)sim->vertex_count;
   sim->pairs_valid = false;
-  sim->time = 0, sim->step = 0, sim->speed_last = 0;
+  sim->time = 0, sim->step = 0, sim->speed_last = 0, sim->control.missed = 0;
   sim->tangles.settling = false;
   cloth_blocking_clear(sim);
   cloth_guess_free_fall(sim);

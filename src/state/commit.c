@@ -7,21 +7,23 @@
 
 #include <math.h>
 
-cloth_status cloth_commit_sums(cloth_sim *sim, bool *good, double *change, cloth_error *err)
+cloth_status cloth_commit_sums(cloth_sim *sim, bool *good, cloth_change *change, cloth_error *err)
 {
   size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
-  double worst = 0, speed = 0, energy = 0;
+  double worst = 0, speed = 0, energy = 0, drift = 0;
   CLOTH_TRY(cloth_staging(sim, n, err));
   CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].commit,
                                sizeof(cloth_real) * n, err));
-  *change = 0;
+  change->largest = 0;
   for (int c = 0; c < sim->chunks && worst <= sim->params.bounds; c++) {
     const cloth_real *f = sim->host + CLOTH_COMMIT_FIELDS * c;
     if (!((double)f[CLOTH_COMMIT_WORST] <= worst)) worst = (double)f[CLOTH_COMMIT_WORST];
     speed = fmax(speed, (double)f[CLOTH_COMMIT_SPEED]);
     energy += (double)f[CLOTH_COMMIT_ENERGY];
-    *change = fmax(*change, (double)f[CLOTH_COMMIT_CHANGE]);
+    drift += (double)f[CLOTH_COMMIT_DRIFT];
+    change->largest = fmax(change->largest, (double)f[CLOTH_COMMIT_CHANGE]);
   }
+  change->mean = sqrt(drift / sim->mass_total);
   *good = worst <= sim->params.bounds;
   sim->report->speed_max = sim->speed_last = speed;
   sim->report->energy_kinetic = energy;
@@ -33,16 +35,19 @@ cloth_status cloth_commit(cloth_sim *sim, bool *good, cloth_error *err)
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     const cloth_real *v = sim->bdf2.used ? p->v_next : p->v; // expected: where the change starts
-    cloth_commit_chunk_args a = {0,    sim->vertex_count, cloth_step_from(sim, p),
-                                 p->x, p->mass,           (cloth_real)(1 / sim->gamma),
-                                 v,    p->v_next,         p->commit};
+    cloth_commit_chunk_args a = {0,        sim->vertex_count, cloth_step_from(sim, p),
+                                 p->x,     p->mass,           (cloth_real)(1 / sim->gamma),
+                                 v,        p->free,           p->v_next,
+                                 p->commit};
     CLOTH_LAUNCH(sim, p, commit_chunk, sim->chunks, &a, err);
   }
-  double change;
+  cloth_change change;
   CLOTH_TRY(cloth_commit_sums(sim, good, &change, err));
   // the leading error of backward Euler is h^2 / 2 times the acceleration (Hairer and Wanner 1996)
   // and that of BDF2 2/9 h^3 times its derivative
-  sim->error_estimate = sim->h * change * (sim->bdf2.used ? 2.0 / 9 : 0.5);
+  double factor = sim->h * (sim->bdf2.used ? 2.0 / 9 : 0.5);
+  sim->error_estimate = factor * change.largest;
+  sim->error_mean = factor * change.mean;
   return CLOTH_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "state/cutting.h"
 
+#include "state/control.h"
 #include "state/state.h"
 
 #include <limits.h>
@@ -30,10 +31,12 @@ bool cloth_may_cut(const cloth_sim *sim, const cloth_cutting *c, cloth_outcome r
 
 cloth_status cloth_cutting_begin(cloth_sim *sim, double h, cloth_cutting *c, cloth_error *err)
 {
-  int least;
+  int least, crowded = sim->substeps_crowded;
   CLOTH_TRY(cloth_substeps_count(sim, h, &least, err));
-  int parts = least > sim->substeps_crowded ? least : sim->substeps_crowded;
-  *c = (cloth_cutting){.share = 1.0 / parts, .left = INT_MAX};
+  double coarse = least > crowded ? least : crowded;
+  least = cloth_control_begin(sim, h, least);
+  int parts = least > crowded ? least : crowded;
+  *c = (cloth_cutting){.share = 1.0 / parts, .finer = parts / coarse, .left = INT_MAX};
   while (least << (c->depth + 1) <= parts) c->depth++;
   return CLOTH_OK;
 }
@@ -52,7 +55,7 @@ bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *
 
 void cloth_cutting_end(cloth_sim *sim, const cloth_cutting *c)
 {
-  int parts = (int)(1 / c->share + 0.5);
+  int parts = (int)(1 / (c->share * c->finer) + 0.5);
   if (c->crowd > 1)
     sim->substeps_crowded = parts;
   else if (c->crowd < CALM && c->halvings == 0)

@@ -17,12 +17,16 @@ typedef enum cloth_outcome {
 /// How a step is cut.
 typedef struct cloth_cutting {
   double share;        // of the step, of one substep
+  double finer;        // that many substeps, because of accuracy, are one that the rest asked for
   int depth, halvings; // times it was halved: as the last step was, and in this one
   int for_impacts;     // times because impacts were left
   int left;            // impacts that were left when it was halved last because of them
   double crowd;        // most crowded substep, repeated or not
+  double rate;         // m/s, error of the substep that was last cut because of it; 0: none was
 } cloth_cutting;
 
+/// What accuracy asks for comes and goes with the motion, so the stiffness of contacts leaves it
+/// out: each change of that throws cloth that lies off its contacts, and it slides.
 cloth_status cloth_cutting_begin(cloth_sim *sim, double h, cloth_cutting *out, cloth_error *err);
 
 /// Impacts that are many.

@@ -4,6 +4,7 @@
 #include "fly_chunk.h"
 #include "hold_pull.h"
 #include "state/commit.h"
+#include "state/control.h"
 
 #include <math.h>
 
@@ -38,6 +39,7 @@ static cloth_fly_chunk_args fly_args(const cloth_sim *sim, const cloth_part *p)
                                        .mass = p->mass,
                                        .inverse_step = (cloth_real)(1 / sim->h),
                                        .v = p->v,
+                                       .free = p->free,
                                        .v_next = p->v_next,
                                        .out = p->commit},
                             .h = (cloth_real)sim->h,
@@ -102,10 +104,12 @@ static cloth_status fly(cloth_sim *sim, cloth_error *err)
 
 static cloth_status judge(cloth_sim *sim, bool *good, cloth_error *err)
 {
-  double change;
+  cloth_change change;
   CLOTH_TRY(cloth_commit_sums(sim, good, &change, err));
   cloth_step_report *r = sim->report;
-  r->error_estimate = fmax(r->error_estimate, sim->h * change / 2); // as in commit.c
+  double estimate = sim->h * change.largest / 2; // as in commit.c
+  r->error_estimate = fmax(r->error_estimate, estimate);
+  cloth_control_add(sim, estimate);
   r->substeps++;
   return CLOTH_OK;
 }
@@ -114,7 +118,7 @@ static cloth_status judge(cloth_sim *sim, bool *good, cloth_error *err)
 
 cloth_status cloth_flight_advance(cloth_sim *sim, double h, bool *good, cloth_error *err)
 {
-  int parts = sim->params.substeps;
+  int parts = cloth_control_begin(sim, h, sim->params.substeps);
   for (int s = 0; s < parts; s++) {
     double start = cloth_now_ms();
     sim->h = h / parts;
@@ -135,5 +139,6 @@ cloth_status cloth_flight_advance(cloth_sim *sim, double h, bool *good, cloth_er
     cloth_stage_charge(sim, CLOTH_STAGE_commit, cloth_now_ms() - start);
     if (!*good) break;
   }
+  cloth_control_end(sim, h, parts);
   return CLOTH_OK;
 }

@@ -237,6 +237,20 @@ static void weigh(cloth_sim *sim)
   sim->mean_edge = edges / sim->triangle_count;
 }
 
+static void measure(cloth_sim *sim)
+{
+  for (int c = 0; c < sim->def->cloth_count; c++) {
+    double diagonal_sq = 0;
+    for (int k = 0; k < 3; k++) {
+      double low = INFINITY, high = -INFINITY;
+      for (int v = sim->cloth_first[c]; v < sim->cloth_first[c + 1]; v++)
+        low = fmin(low, sim->rest[3 * v + k]), high = fmax(high, sim->rest[3 * v + k]);
+      diagonal_sq += (high - low) * (high - low);
+    }
+    sim->control.size = fmax(sim->control.size, sqrt(diagonal_sq));
+  }
+}
+
 static cloth_status take_arrays(cloth_sim *sim, cloth_error *err)
 {
   const cloth_def *d = sim->def;
@@ -287,6 +301,7 @@ cloth_status cloth_number(cloth_sim *sim, cloth_error *err)
     }
     number_bodies(sim);
     weigh(sim);
+    measure(sim);
   }
   sorter_free(&s), free(place);
   return status;

@@ -5,6 +5,7 @@
 #include "box_chunk.h"
 #include "chunk.h"
 #include "effect/effect.h"
+#include "state/control.h"
 #include "state/sim.h"
 
 #include <math.h>
@@ -140,6 +141,7 @@ void cloth_guess_free_fall(cloth_sim *sim)
   for (int i = 0; i < 3 * sim->def->cloth_count; i++)
     sim->acceleration[i] = falls ? sim->params.gravity[i % 3] : 0;
   sim->mean_known = sim->bdf2.known = false, sim->substeps_crowded = 0;
+  cloth_control_forget(sim);
 }
 
 cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_error *err)

@@ -19,7 +19,7 @@ typedef struct file_header {
   int64_t step;
   int32_t real_bytes, vertices, bodies, holds, cloths, mean_known, pins, friction;
   int32_t tangles, substeps; // tangles: 1: known to be free of them, 2: settling
-  int32_t history, pad;      // of bdf2: 1: is there
+  int32_t history, parts;    // of bdf2: 1: is there; of accuracy
   uint64_t body_bytes;       // bytes after the vectors
 } file_header;
 
@@ -120,7 +120,7 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x,
   head.pins = sim->def->pin_count, head.friction = friction_count;
   head.history = sim->bdf2.known;
   head.tangles = (sim->tangles.known_free ? 1 : 0) + (sim->tangles.settling ? 2 : 0);
-  head.substeps = sim->substeps_crowded;
+  head.substeps = sim->substeps_crowded, head.parts = sim->control.parts;
   put(w, &head, sizeof head);
   put(w, x, sizeof(cloth_real) * 6 * (size_t)sim->vertex_count);
   put(w, sim->pin_broken, (size_t)sim->def->pin_count);
@@ -337,6 +337,7 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   memcpy(sim->pin_broken, broken, (size_t)head.pins);
   memcpy(sim->mean_velocity, mean, means), memcpy(sim->acceleration, acceleration, means);
   sim->mean_known = head.mean_known, sim->substeps_crowded = head.substeps;
+  sim->control.parts = head.parts;
   sim->time = head.time, sim->step = head.step;
   sim->pairs_valid = false;
   CLOTH_TRY(cloth_holds_refresh(sim, err));

@@ -161,7 +161,7 @@ typedef struct cloth_part {
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]
-  cloth_hat_share hat_share; // joined parts: whose nodes are whose; hat_block: own rows alone
+  cloth_hat_share hat_share;      // joined parts: whose nodes are whose; hat_block: own rows alone
   uint32_t *reader_mesh, *reader; // [rows of the part] of the mesh, of all: halo_contact.h; NULL
                                   // where parts are not joined
   uint32_t *chunk_reader, *halo_place, *halo_order; // [chunks of the part (+ 1)] halo_order.h
@@ -190,6 +190,15 @@ typedef struct cloth_bdf2 {
   bool used;               // this substep is of order 2
   double h_last, h_saved;  // s
 } cloth_bdf2;
+
+/// Of the parameter accuracy (state/control.h).
+typedef struct cloth_control {
+  double size;       // m, diagonal of the largest cloth's box as it lies at the start
+  int parts;         // of the next step; 0: not known; belongs to the state
+  double spent;      // m, estimated error of this step so far
+  bool second_order; // all substeps of this step were
+  int64_t missed;    // steps that were above what was asked for
+} cloth_control;
 
 /// A rigid body, on the host.
 typedef struct cloth_body {
@@ -296,7 +305,9 @@ struct cloth_sim {
   double span;           // m, the most that all cloth spans and sweeps in this substep
   bool smooth;           // nothing touched in this substep
   double correction;     // m, largest correction of the last Newton iteration of this substep
-  double error_estimate; // m, of this substep
+  double error_estimate; // m, of this substep, of the worst vertex
+  double error_mean;     // m, of this substep, root mean square over the cloth
+  cloth_control control; // of the parameter accuracy
   double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
   bool helpless; // stiffer contacts did not even halve the impacts: by the looks of it no room
   int substeps_crowded; // least substeps of the next step; belongs to the state
@@ -478,7 +489,8 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
-/// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's end.
+/// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's
+/// end.
 bool cloth_hold_clear_force(const cloth_sim *sim, cloth_hold_state *hold, cloth_pose *frame);
 /// f [N] that the hold exerts at x [m] adds to its wrench about its frame.
 void cloth_hold_add_force(cloth_hold_state *hold, const cloth_pose *frame, const double x[3],

@@ -14,6 +14,8 @@ static const tool_option options[] = {
     {"seconds", "T", "how long to simulate; default: the scene's duration, or 2 s"},
     {"cost", "WHAT",
      "wall, cpu (of all threads) or work: what the lists count as cost (default wall)"},
+    {"only", "LIST",
+     "of the sweep only what varies these, e.g. standard,time_step,preset; references as always"},
     {"quick", NULL, "a few settings over 16 steps, against coarser references: for a first look"},
     {"from", "FILE", "print the lists of an accuracy.csv and run nothing"},
     {NULL, NULL, NULL},
@@ -165,12 +167,42 @@ static cloth_status check_rows(const command *c, const accuracy_study *s, cloth_
   return CLOTH_OK;
 }
 
+// is the word in a list with commas?
+static bool is_listed(const char *list, const char *word)
+{
+  size_t n = strlen(word);
+  for (const char *at = list; (at = strstr(at, word)); at += n)
+    if ((at == list || at[-1] == ',') && (at[n] == ',' || at[n] == '\0')) return true;
+  return false;
+}
+
+static bool is_wanted(const command *c, const char *varied)
+{
+  const char *only = tool_text(c->args, "only");
+  return !only || is_listed(only, varied);
+}
+
+static cloth_status check_only(const char *only, cloth_error *err)
+{
+  char word[64];
+  for (const char *at = only; at && *at; at += *at == ',') {
+    int n = (int)strcspn(at, ",");
+    snprintf(word, sizeof word, "%.*s", n < 63 ? n : 63, at);
+    const sweep_setting *v = accuracy_sweep;
+    while (v->varied && strcmp(v->varied, word) != 0) v++;
+    if (!v->varied) CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--only: the sweep varies no '%s'", word);
+    at += n;
+  }
+  return CLOTH_OK;
+}
+
 static cloth_status sweep_scene(command *c, accuracy_study *s, bool *stopped, cloth_error *err)
 {
   CLOTH_TRY(check_rows(c, s, err));
   CLOTH_TRY(make_references(c, s, stopped, err));
   for (const sweep_setting *v = accuracy_sweep; v->varied && !*stopped; v++)
-    if (v->quick || !c->quick) CLOTH_TRY(run_setting(c, s, v, stopped, err));
+    if ((v->quick || !c->quick) && is_wanted(c, v->varied))
+      CLOTH_TRY(run_setting(c, s, v, stopped, err));
   return CLOTH_OK;
 }
 
@@ -195,6 +227,7 @@ static cloth_status check_usage(command *c, cloth_error *err)
   while (cost && word < 3 && strcmp(cost, costs[word]) != 0) word++;
   if (word == 3) CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--cost '%s' is not wall, cpu or work", cost);
   c->cost = (accuracy_cost)word;
+  CLOTH_TRY(check_only(tool_text(c->args, "only"), err));
   if (tool_text(c->args, "from")) {
     if (c->args->operand_count > 0)
       CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--from runs nothing; leave out the scenes");

@@ -57,6 +57,13 @@ static uint64_t hash_text(uint64_t hash, const char *text) // FNV-1a (Fowler, No
   return (hash ^ 0xff) * UINT64_C(0x100000001b3);
 }
 
+// what changes times, not results beyond rounding: rows of a GPU compare with references of a CPU
+static bool is_of_machine(const char *option)
+{
+  return strcmp(option, "backend") == 0 || strcmp(option, "devices") == 0 ||
+         strcmp(option, "threads") == 0;
+}
+
 // of all that makes rows incomparable: the file, what the command line changes, how long
 static cloth_status make_digest(accuracy_study *s, cloth_error *err)
 {
@@ -70,7 +77,7 @@ static cloth_status make_digest(accuracy_study *s, cloth_error *err)
     const tool_given *given = &s->args->given[i];
     bool of_scene = false;
     for (const tool_option *o = tool_scene_options; o->name; o++) of_scene |= given->option == o;
-    if (!of_scene) continue;
+    if (!of_scene || is_of_machine(given->option->name)) continue;
     hash = hash_text(hash_text(hash, given->option->name), given->value ? given->value : "");
   }
   snprintf(text, sizeof text, "%a", s->seconds);

@@ -28,6 +28,7 @@ static const tool_option options[] = {
 typedef struct totals {
   int64_t steps;
   double wall;        // s, of cloth_step() alone
+  double error;       // 1, estimates of all steps added
   double stretch_max; // 1
   int64_t stretch_step;
   int contacts_self_max, contacts_body_max, impacts_left_max;
@@ -36,6 +37,7 @@ typedef struct totals {
   unsigned char *blocking; // [bodies] 1: left the cloth no room in some step
   int64_t blocking_steps, teleports;
   int64_t impacts, zones, held_back, impacts_left_steps, unconverged, substeps, halvings;
+  int substeps_max;
 } totals;
 
 static volatile sig_atomic_t stop_signal;
@@ -119,12 +121,15 @@ static void totals_add(totals *t, const cloth_step_report *r, double wall)
   t->unconverged += r->pcg_unconverged;
   t->substeps += r->substeps;
   t->halvings += r->step_halvings;
+  t->error += r->accuracy_estimate * r->step_size;
+  if (r->substeps > t->substeps_max) t->substeps_max = r->substeps;
 }
 
 typedef struct run {
   cloth_scene *scene;
   tool_output *output; // NULL: nothing is written
   int64_t steps, mesh_every;
+  double accuracy; // asked for, 1/s
   totals totals;
   cloth_step_report last;
   progress progress;
@@ -163,6 +168,18 @@ static void print_budget(const cloth_step_report *r)
       r->chosen_pcg_tolerance, r->chosen_newton_iterations, r->chosen_contact_rounds);
 }
 
+static void print_accuracy(const run *r, double simulated)
+{
+  const totals *t = &r->totals;
+  if (!(r->accuracy > 0) || !(simulated > 0)) return;
+  printf(
+      "accuracy          %.3g %% a second asked for: estimated %.3g %% a second, %.3g %% in all; "
+      "more in %" PRId64 " steps\n",
+      100 * r->accuracy, 100 * t->error / simulated, 100 * t->error, r->last.accuracy_missed);
+  printf("                  chosen: at most %d substeps a step, pcg_tolerance %.2g\n",
+         t->substeps_max, r->last.chosen_pcg_tolerance);
+}
+
 static void print_summary(const run *r, uint64_t hash)
 {
   const totals *t = &r->totals;
@@ -189,6 +206,7 @@ static void print_summary(const run *r, uint64_t hash)
     printf("teleports         %" PRId64 " bodies placed, not swept\n", t->teleports);
   if (t->blocking_steps) tool_blocking_print(r->scene, t->blocking, t->blocking_steps);
   print_budget(&r->last);
+  print_accuracy(r, simulated);
   if (t->unconverged) printf("unconverged       %" PRId64 " linear solves\n", t->unconverged);
   printf("state hash        %016" PRIx64 "\n", hash);
 }
@@ -237,6 +255,7 @@ static cloth_status run_prepare(const tool_arguments *args, run *r, cloth_error 
   CLOTH_TRY(tool_scene_load(args, args->operand[0], &def, err));
   CLOTH_TRY_GOTO(steps_wanted(args, def, &r->steps, err), status, done);
   CLOTH_TRY_GOTO(cloth_scene_new(def, &r->scene, err), status, done);
+  r->accuracy = cloth_def_params(def)->accuracy;
   cloth_scene_hash_steps(r->scene, tool_has(args, "hash"));
   r->totals.blocking = calloc((size_t)cloth_body_count(r->scene) + 1, 1);
   if (r->totals.blocking == NULL) {

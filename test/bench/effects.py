@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The measured price of each effect on two scenes, with it and without it: rewrites the tables of doc/effects.md.
 
-    effects.py BUILD_DIR [--backend NAME] [--rounds N] [--doc FILE]
+    effects.py BUILD_DIR [--backend NAME] [--rounds N] [--results FILE] [--doc FILE]
+    effects.py --from FILE                     rows that another host measured, with --results there
 
 Rows are kept in results/effects.csv beside this script, by backend, so that a run on a host with a GPU
 (--backend cuda) fills the GPU's columns and leaves the CPU's. On a CPU one thread runs: effects are compared,
@@ -41,15 +42,15 @@ def bare(program, rounds):
             'vertices': 10000}
 
 
-def read_rows():
-    if not os.path.exists(RESULTS):
+def read_rows(path):
+    if not os.path.exists(path):
         return []
-    with open(RESULTS, newline='') as file:
+    with open(path, newline='') as file:
         return list(csv.DictReader(file))
 
 
-def write_rows(rows):
-    with open(RESULTS, 'w', newline='') as file:
+def write_rows(path, rows):
+    with open(path, 'w', newline='') as file:
         writer = csv.DictWriter(file, COLUMNS, lineterminator='\n')
         writer.writeheader()
         writer.writerows(rows)
@@ -128,25 +129,37 @@ def rewrite(path, rows):
         file.write(text)
 
 
-def main():
-    options = argparse.ArgumentParser()
-    options.add_argument('build')
-    options.add_argument('--backend', default='cpu', choices=BACKENDS)
-    options.add_argument('--rounds', type=int, default=100)
-    options.add_argument('--doc', default=os.path.join(ROOT, 'doc', 'effects.md'))
-    options = options.parse_args()
+def measure(options):
     program = os.path.join(options.build, 'test', 'effects_price')
     if not os.access(program, os.X_OK):
         sys.exit('effects.py: no %s; build with the tests first' % program)
-    rows = [r for r in read_rows() if r['backend'] != options.backend]
+    rows = []
     for scene in SCENES:
         rows += price(program, options.backend, scene, options.rounds)
         print(scene, 'measured', flush=True)
     if options.backend == 'cpu':
         rows.append(bare(program, options.rounds))
+    return rows
+
+
+def main():
+    options = argparse.ArgumentParser()
+    options.add_argument('build', nargs='?')
+    options.add_argument('--backend', default='cpu', choices=BACKENDS)
+    options.add_argument('--rounds', type=int, default=100)
+    options.add_argument('--results', default=RESULTS)
+    options.add_argument('--from', dest='source')
+    options.add_argument('--doc', default=os.path.join(ROOT, 'doc', 'effects.md'))
+    options = options.parse_args()
+    if (options.build is None) == (options.source is None):
+        sys.exit('effects.py: name a build folder, or --from FILE')
+    new = read_rows(options.source) if options.source else measure(options)
+    measured = {r['backend'] for r in new}
+    rows = [r for r in read_rows(options.results) if r['backend'] not in measured] + new
     rows.sort(key=lambda r: BACKENDS.index(r['backend']))
-    write_rows(rows)
-    rewrite(options.doc, rows)
+    write_rows(options.results, rows)
+    if os.path.exists(options.doc) and any(r['backend'] == 'cpu' for r in rows):
+        rewrite(options.doc, rows)
 
 
 if __name__ == '__main__':

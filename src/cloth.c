@@ -110,6 +110,8 @@ cloth_status cloth_tune(cloth_scene *s, const cloth_tuning *t, cloth_error *err)
   p.pcg_tolerance = t->pcg_tolerance;
   p.newton_iterations_max = t->newton_iterations;
   p.contact_rounds_max = t->contact_rounds;
+  if (t->pcg_iterations != 0) p.pcg_iterations_max = t->pcg_iterations;
+  if (t->pair_slack != 0) p.pair_slack = t->pair_slack;
   CLOTH_TRY(cloth_params_check(&p, err));
   tune(s, t);
   s->tuned = true;
@@ -122,10 +124,11 @@ static void choose(cloth_scene *s, double allowed)
 {
   const cloth_params *p = &s->def->params;
   if (s->tuned) return;
-  cloth_tuning t = {p->pcg_tolerance, p->newton_iterations_max, p->contact_rounds_max};
+  cloth_tuning t = {p->pcg_tolerance, p->newton_iterations_max, p->contact_rounds_max,
+                    p->pcg_iterations_max, p->pair_slack};
   if (p->accuracy > 0) t.pcg_tolerance = cloth_accuracy_tolerance(p);
   if (allowed > 0) {
-    t = cloth_budget_choose(&s->budget, p);
+    t = cloth_budget_choose(&s->budget, p, allowed);
     cloth_record_tune(s->recorder, &t); // wall time does not come again, so a replay must know
   }
   tune(s, &t);
@@ -145,7 +148,9 @@ cloth_status cloth_step(cloth_scene *s, double h, cloth_step_report *report, clo
   cloth_status status = CALL(s, step, length, report, err);
   s->tuned = false;
   if (status == CLOTH_OK && allowed > 0) {
-    cloth_budget_measured(&s->budget, allowed, report->wall_ms);
+    cloth_budget_time time = {report->wall_ms, report->ms[CLOTH_STAGE_solve],
+                              report->pcg_iterations};
+    cloth_budget_measured(&s->budget, allowed, &time);
     cloth_budget_report(&s->budget, allowed, &s->chosen, report);
   }
   if (s->def->params.accuracy > 0) report->chosen_pcg_tolerance = s->chosen.pcg_tolerance;

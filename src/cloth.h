@@ -166,6 +166,8 @@ typedef struct cloth_tuning {
   double pcg_tolerance;
   int newton_iterations; // most linear systems, in [1, 100]
   int contact_rounds;    // most, in [0, 100]
+  int pcg_iterations;    // most of one system, in [1, 100000]; 0: the parameter's
+  double pair_slack;     // m, in (0, 0.1]; 0: the parameter's. Changes costs, not what is held apart
 } cloth_tuning;
 
 /// Use this for the next step instead of the parameters, or of what the budget would choose. Recorded.

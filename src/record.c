@@ -72,7 +72,9 @@ void cloth_record_step_end(cloth_recorder *r, cloth_status status, uint64_t hash
 
 void cloth_record_tune(cloth_recorder *r, const cloth_tuning *t)
 {
-  if (r) put(r, "tune %a %d %d\n", t->pcg_tolerance, t->newton_iterations, t->contact_rounds);
+  if (r)
+    put(r, "tune %a %d %d %d %a\n", t->pcg_tolerance, t->newton_iterations, t->contact_rounds,
+        t->pcg_iterations, t->pair_slack);
 }
 
 void cloth_record_body_move(cloth_recorder *r, int body, const cloth_pose *pose)

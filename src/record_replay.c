@@ -321,6 +321,8 @@ static cloth_status on_tune(replay *r, cloth_error *err)
   CLOTH_TRY(read_number(r, &t.pcg_tolerance, err));
   CLOTH_TRY(read_int(r, &t.newton_iterations, err));
   CLOTH_TRY(read_int(r, &t.contact_rounds, err));
+  CLOTH_TRY(read_int(r, &t.pcg_iterations, err));
+  CLOTH_TRY(read_number(r, &t.pair_slack, err));
   return played(r, cloth_tune(r->scene, &t, &cause), &cause, err);
 }
 
@@ -383,16 +385,25 @@ static const struct {
   bool heading; // may come before `start`; all but load only then
   cloth_status (*play)(replay *r, cloth_error *err);
 } calls[] = {
-    {"precision", true, on_precision}, {"cloth", true, on_digest},
-    {"body", true, on_digest},         {"param", true, on_param},
-    {"start", true, on_start},         {"load", true, on_load},
-    {"move", false, on_body},          {"place", false, on_body},
-    {"grasp", false, on_grasp},        {"carry", false, on_carry},
-    {"release", false, on_release},    {"positions", false, on_state},
-    {"velocities", false, on_state},   {"reset", false, on_reset},
+    {"precision", true, on_precision},
+    {"cloth", true, on_digest},
+    {"body", true, on_digest},
+    {"param", true, on_param},
+    {"start", true, on_start},
+    {"load", true, on_load},
+    {"move", false, on_body},
+    {"place", false, on_body},
+    {"grasp", false, on_grasp},
+    {"carry", false, on_carry},
+    {"release", false, on_release},
+    {"positions", false, on_state},
+    {"velocities", false, on_state},
+    {"reset", false, on_reset},
     {"tune", false, on_tune},
-    {"step", false, on_step},          {"hash", false, on_hash},
-    {"fail", false, on_fail},          {"end", false, on_end},
+    {"step", false, on_step},
+    {"hash", false, on_hash},
+    {"fail", false, on_fail},
+    {"end", false, on_end},
 };
 
 static cloth_status play_line(replay *r, cloth_error *err)

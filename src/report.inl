@@ -49,6 +49,7 @@ CLOTH_REPORT(double, budget_level, "1", "how much of the accuracy asked for was 
 CLOTH_REPORT(double, chosen_pcg_tolerance, "1", "pcg_tolerance of this step, chosen by the budget or by accuracy")
 CLOTH_REPORT(int, chosen_newton_iterations, "1", "newton_iterations_max of this step, chosen by the budget")
 CLOTH_REPORT(int, chosen_contact_rounds, "1", "contact_rounds_max of this step, chosen by the budget")
+CLOTH_REPORT(int, chosen_pcg_iterations, "1", "pcg_iterations_max of this step, chosen by the budget so that it ends in time")
 CLOTH_REPORT(int64_t, deadlines_missed, "1", "steps that took longer than the budget, since the scene began")
 CLOTH_REPORT(double, deadline_miss_share, "1", "share of the last 500 steps that took longer than the budget")
 CLOTH_REPORT(double, wall_p50, "ms", "median of wall_ms over the last 500 steps")

@@ -410,6 +410,11 @@ void cloth_sim_tune(void *data, const cloth_tuning *t)
   sim->params.pcg_tolerance = t->pcg_tolerance;
   sim->params.newton_iterations_max = t->newton_iterations;
   sim->params.contact_rounds_max = t->contact_rounds;
+  sim->params.pcg_iterations_max =
+      t->pcg_iterations > 0 ? t->pcg_iterations : sim->def->params.pcg_iterations_max;
+  double slack = t->pair_slack > 0 ? t->pair_slack : sim->def->params.pair_slack;
+  if (slack != sim->params.pair_slack) sim->pairs_valid = false; // made for another
+  sim->params.pair_slack = slack;
 }
 
 static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)

@@ -20,15 +20,22 @@ static double cost(const cloth_tuning *t, double scale)
   return scale * (2 + t->newton_iterations * (1 - log10(t->pcg_tolerance)));
 }
 
+static void took(cloth_budget *b, double allowed, double ms)
+{
+  cloth_budget_time t = {ms, 0, 0};
+  cloth_budget_measured(b, allowed, &t);
+}
+
 static int a_fast_scene_gets_all_that_was_asked_for(void)
 {
   cloth_params p = asked();
   cloth_budget b;
   cloth_budget_reset(&b);
   for (int i = 0; i < 1000; i++) {
-    cloth_tuning t = cloth_budget_choose(&b, &p);
+    cloth_tuning t = cloth_budget_choose(&b, &p, 10);
     CHECK(t.pcg_tolerance == 1e-4 && t.newton_iterations == 5 && t.contact_rounds == 3);
-    cloth_budget_measured(&b, 10, 4);
+    CHECK(t.pcg_iterations == 500 && t.pair_slack == p.pair_slack);
+    took(&b, 10, 4);
   }
   CHECK(b.missed == 0);
   return 0;
@@ -39,14 +46,40 @@ static int a_slow_scene_ends_at_the_stated_bounds(void)
   cloth_params p = asked();
   cloth_budget b;
   cloth_budget_reset(&b);
-  for (int i = 0; i < 20; i++) cloth_budget_measured(&b, 10, 100);
-  cloth_tuning t = cloth_budget_choose(&b, &p);
+  for (int i = 0; i < 20; i++) took(&b, 10, 100);
+  cloth_tuning t = cloth_budget_choose(&b, &p, 10);
   CHECK_NEAR(t.pcg_tolerance, 0.1, 1e-12);
-  CHECK(t.newton_iterations == 2 && t.contact_rounds == 1);
+  CHECK(t.newton_iterations == 1 && t.contact_rounds == 1);
+  CHECK_NEAR(t.pair_slack, 0.25 * p.pair_slack, 1e-15);
   CHECK(b.missed == 20);
   p.contact_rounds_max = 0, p.newton_iterations_max = 1, p.pcg_tolerance = 0.1; // nothing to give
-  t = cloth_budget_choose(&b, &p);
+  t = cloth_budget_choose(&b, &p, 10);
   CHECK(t.pcg_tolerance == 0.1 && t.newton_iterations == 1 && t.contact_rounds == 0);
+  return 0;
+}
+
+// each system would take 400 iterations of 0.05 ms: 5 systems of that are 100 ms
+static int solves_end_in_time_for_the_deadline(void)
+{
+  cloth_params p = asked();
+  cloth_budget b;
+  cloth_budget_reset(&b);
+  for (int i = 0; i < 200; i++) {
+    cloth_tuning t = cloth_budget_choose(&b, &p, 16);
+    bool hard = i >= 20; // before, systems are easy
+    int n = t.newton_iterations * (hard ? t.pcg_iterations < 400 ? t.pcg_iterations : 400 : 10);
+    cloth_budget_time time = {6 + 0.05 * n, 0.05 * n, n};
+    cloth_budget_measured(&b, 16, &time);
+    CHECK(time.ms <= 16);
+    CHECK(t.pcg_iterations >= 20);
+  }
+  CHECK(b.missed == 0);
+  // what is left for solves is nothing: 20 iterations they have all the same
+  cloth_budget_time long_ = {40, 1, 10};
+  cloth_budget_measured(&b, 16, &long_);
+  CHECK(cloth_budget_choose(&b, &p, 16).pcg_iterations == 20);
+  p.pcg_iterations_max = 7; // of those who ask for less
+  CHECK(cloth_budget_choose(&b, &p, 16).pcg_iterations == 7);
   return 0;
 }
 
@@ -58,9 +91,9 @@ static int it_settles_below_the_deadline_and_spends_most_of_it(void)
   double sum = 0;
   int64_t missed_early = 0;
   for (int i = 0; i < 600; i++) {
-    cloth_tuning t = cloth_budget_choose(&b, &p);
+    cloth_tuning t = cloth_budget_choose(&b, &p, 16);
     double ms = cost(&t, 1); // 27 ms at full accuracy, 4 ms at the least
-    cloth_budget_measured(&b, 16, ms);
+    took(&b, 16, ms);
     if (i == 99) missed_early = b.missed;
     if (i >= 100) sum += ms;
   }
@@ -76,10 +109,10 @@ static int it_gives_way_in_a_burst_and_comes_back_after_it(void)
   cloth_budget b;
   cloth_budget_reset(&b);
   for (int i = 0; i < 400; i++) {
-    cloth_tuning t = cloth_budget_choose(&b, &p);
+    cloth_tuning t = cloth_budget_choose(&b, &p, 40);
     bool burst = i >= 100 && i < 150;
     if (i == 149) CHECK(b.level < 0.5);
-    cloth_budget_measured(&b, 40, cost(&t, burst ? 4 : 1));
+    took(&b, 40, cost(&t, burst ? 4 : 1));
   }
   CHECK(b.level == 1);
   CHECK(b.missed < 10);
@@ -90,17 +123,18 @@ static int percentiles_are_those_of_a_sorted_window(void)
 {
   cloth_budget b;
   cloth_step_report r = {0};
-  cloth_tuning t = {0.01, 3, 2};
+  cloth_tuning t = {0.01, 3, 2, 77, 1e-3};
   cloth_budget_reset(&b);
   // 5000 in front are pushed out; then 1 to 500 in a scrambled order
-  for (int i = 0; i < 300; i++) cloth_budget_measured(&b, 490, 5000);
+  for (int i = 0; i < 300; i++) took(&b, 490, 5000);
   for (int i = 0; i < CLOTH_BUDGET_WINDOW; i++)
-    cloth_budget_measured(&b, 490, 1 + (i * 273 + 11) % CLOTH_BUDGET_WINDOW);
+    took(&b, 490, 1 + (i * 273 + 11) % CLOTH_BUDGET_WINDOW);
   cloth_budget_report(&b, 490, &t, &r);
   CHECK(r.wall_p50 == 250 && r.wall_p99 == 495 && r.wall_worst == 500);
   CHECK(r.deadlines_missed == 300 + 10);
   CHECK_NEAR(r.deadline_miss_share, 10.0 / 500, 1e-15); // 490 itself was met
   CHECK(r.chosen_pcg_tolerance == 0.01 && r.chosen_newton_iterations == 3);
+  CHECK(r.chosen_pcg_iterations == 77);
   CHECK(r.chosen_contact_rounds == 2 && r.budget_ms == 490);
   return 0;
 }
@@ -109,11 +143,11 @@ static int times_that_are_no_times_change_nothing(void)
 {
   cloth_budget b, before;
   cloth_budget_reset(&b);
-  cloth_budget_measured(&b, 10, 12);
+  took(&b, 10, 12);
   before = b;
-  cloth_budget_measured(&b, 10, NAN);
-  cloth_budget_measured(&b, NAN, 10);
-  cloth_budget_measured(&b, 0, 10);
+  took(&b, 10, NAN);
+  took(&b, NAN, 10);
+  took(&b, 0, 10);
   CHECK(memcmp(&b, &before, sizeof b) == 0);
   return 0;
 }
@@ -137,6 +171,7 @@ int main(int argc, char **argv)
   int failures = 0;
   RUN(a_fast_scene_gets_all_that_was_asked_for);
   RUN(a_slow_scene_ends_at_the_stated_bounds);
+  RUN(solves_end_in_time_for_the_deadline);
   RUN(it_settles_below_the_deadline_and_spends_most_of_it);
   RUN(it_gives_way_in_a_burst_and_comes_back_after_it);
   RUN(percentiles_are_those_of_a_sorted_window);

@@ -163,9 +163,10 @@ static void print_budget(const cloth_step_report *r)
          "most %.3g ms, 99 %% at most %.3g ms, the longest %.3g ms\n",
          r->budget_ms, r->deadlines_missed, r->wall_p50, r->wall_p99, r->wall_worst);
   printf(
-      "                  last chosen: pcg_tolerance %.2g, %d Newton iterations, %d contact rounds; "
-      "not deterministic\n",
-      r->chosen_pcg_tolerance, r->chosen_newton_iterations, r->chosen_contact_rounds);
+      "                  last chosen: pcg_tolerance %.2g, %d Newton iterations, %d contact rounds, "
+      "%d solver iterations; not deterministic\n",
+      r->chosen_pcg_tolerance, r->chosen_newton_iterations, r->chosen_contact_rounds,
+      r->chosen_pcg_iterations);
 }
 
 static void print_accuracy(const run *r, double simulated)

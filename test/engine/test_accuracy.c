@@ -68,7 +68,12 @@ static int bounds(const char *precision)
   CHECK(r.budget_ms == 1e-5 && r.budget_level == 0 && r.deadlines_missed == 10);
   CHECK(r.deadline_miss_share == 1 && r.wall_p50 > 1e-5 && r.wall_worst >= r.wall_p99);
   CHECK_NEAR(r.chosen_pcg_tolerance, 0.1, 1e-12);
-  CHECK(r.chosen_newton_iterations == 2 && r.chosen_contact_rounds == 1);
+  CHECK(r.chosen_newton_iterations == 1 && r.chosen_contact_rounds == 1);
+  CHECK(r.chosen_pcg_iterations == 20);
+  for (int i = 0; i < 40; i++) { // whatever is given up, nothing passes
+    r = scene_step(scene, 1);
+    CHECK(r.tangles == 0 && r.impacts_left == 0);
+  }
   cloth_scene_free(scene);
 
   def = on_ball(precision, &s);
@@ -102,7 +107,7 @@ static int replays(const char *precision)
   CHECK_OK(cloth_record_start(scene, path, &err), err);
   scene_step(scene, 12);
   // a choice that no budget would make of itself
-  cloth_tuning odd = {0.033, 2, 1};
+  cloth_tuning odd = {0.033, 2, 1, 9, 3e-4};
   CHECK_OK(cloth_tune(scene, &odd, &err), err);
   scene_step(scene, 1);
   scene_step(scene, 5);
@@ -129,15 +134,16 @@ static int tunes(const char *precision)
   cloth_scene *scene = scene_new(on_ball(precision, &s));
   scene_step(scene, 5);
   uint64_t before = scene_hash(scene);
-  const cloth_tuning wrong[] = {{0.2, 1, 1}, {NAN, 1, 1}, {0.1, 0, 1}, {0.1, 1, -1}};
-  for (int i = 0; i < 4; i++) CHECK(cloth_tune(scene, &wrong[i], &err) == CLOTH_BAD_ARGUMENT);
+  const cloth_tuning wrong[] = {{0.2, 1, 1, 0, 0},  {NAN, 1, 1, 0, 0},  {0.1, 0, 1, 0, 0},
+                                {0.1, 1, -1, 0, 0}, {0.1, 1, 1, -1, 0}, {0.1, 1, 1, 0, 0.2}};
+  for (int i = 0; i < 6; i++) CHECK(cloth_tune(scene, &wrong[i], &err) == CLOTH_BAD_ARGUMENT);
   CHECK(scene_hash(scene) == before);
   // for one step, then the parameters rule again
-  cloth_tuning one = {0.1, 1, 0};
+  cloth_tuning one = {0.1, 1, 0, 0, 0};
   CHECK_OK(cloth_tune(scene, &one, &err), err);
   cloth_step_report r = scene_step(scene, 1);
   CHECK(r.newton_iterations == r.substeps && r.contact_rounds == 0);
-  cloth_tuning many = {1e-6, 7, 2};
+  cloth_tuning many = {1e-6, 7, 2, 0, 0};
   CHECK_OK(cloth_tune(scene, &many, &err), err);
   scene_step(scene, 1);
   r = scene_step(scene, 1);

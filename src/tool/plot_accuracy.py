@@ -65,7 +65,7 @@ def plot(plt, rows, scene, cost, folder):
     markers = 'osD^v<>ph*'
     for i, name in enumerate(varied):
         line = [r for r in good if r['varied'] == name]
-        joined = name not in ('combined', 'preset')
+        joined = name not in ('combined', 'preset', 'accuracy', 'mass_spring')
         line = sorted(line + (standard if joined else []), key=lambda r: r[column])
         axes.plot([r[column] for r in line], [100 * r['error_rms'] for r in line], marker=markers[i % len(markers)],
                   linestyle='-' if joined else 'none', color='C%d' % (i % 10), markersize=5, linewidth=1, label=name)

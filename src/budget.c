@@ -39,6 +39,7 @@ static int iterations_that_fit(const cloth_budget *b, const cloth_params *p, dou
 {
   int most = p->pcg_iterations_max;
   if (!(b->each > 0) || most <= LEAST_ITERATIONS) return most;
+  if (systems > 1 && b->systems > systems) systems = b->systems; // one alone is never added to
   double fit = floor((SPEND * allowed - b->other) / (b->each * systems));
   return fit < most ? (int)fmax(LEAST_ITERATIONS, fit) : most;
 }
@@ -112,6 +113,7 @@ static double mean_of_eight(double mean, double now)
 static void learn(cloth_budget *b, const cloth_budget_time *t)
 {
   double other = t->ms - t->solve_ms;
+  b->systems = t->systems;
   b->other = fmax(other, mean_of_eight(b->other, other));
   if (t->iterations > 0 && t->solve_ms > 0)
     b->each = mean_of_eight(b->each, t->solve_ms / t->iterations);

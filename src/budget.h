@@ -11,6 +11,7 @@ typedef struct cloth_budget {
   double smooth; // ms, running mean of a step; 0: none yet
   double other;  // ms, of the last step without its solves, or their running mean if that is more
   double each;   // ms, running mean of a solver iteration; 0: not known
+  int systems;   // of the last step, which may have been more than chosen
   int64_t missed;
   int count, next;                    // of the window
   double ring[CLOTH_BUDGET_WINDOW];   // ms, in order of time
@@ -21,6 +22,7 @@ typedef struct cloth_budget {
 typedef struct cloth_budget_time {
   double ms, solve_ms; // all of it; its linear solves
   int iterations;      // of the solves
+  int systems;         // solves
 } cloth_budget_time;
 
 /// Nothing measured yet; starts with all that the parameters ask for.

@@ -149,7 +149,7 @@ cloth_status cloth_step(cloth_scene *s, double h, cloth_step_report *report, clo
   s->tuned = false;
   if (status == CLOTH_OK && allowed > 0) {
     cloth_budget_time time = {report->wall_ms, report->ms[CLOTH_STAGE_solve],
-                              report->pcg_iterations};
+                              report->pcg_iterations, report->newton_iterations};
     cloth_budget_measured(&s->budget, allowed, &time);
     cloth_budget_report(&s->budget, allowed, &s->chosen, report);
   }

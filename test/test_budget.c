@@ -22,7 +22,7 @@ static double cost(const cloth_tuning *t, double scale)
 
 static void took(cloth_budget *b, double allowed, double ms)
 {
-  cloth_budget_time t = {ms, 0, 0};
+  cloth_budget_time t = {ms, 0, 0, 0};
   cloth_budget_measured(b, allowed, &t);
 }
 
@@ -68,16 +68,25 @@ static int solves_end_in_time_for_the_deadline(void)
     cloth_tuning t = cloth_budget_choose(&b, &p, 16);
     bool hard = i >= 20; // before, systems are easy
     int n = t.newton_iterations * (hard ? t.pcg_iterations < 400 ? t.pcg_iterations : 400 : 10);
-    cloth_budget_time time = {6 + 0.05 * n, 0.05 * n, n};
+    cloth_budget_time time = {6 + 0.05 * n, 0.05 * n, n, t.newton_iterations};
     cloth_budget_measured(&b, 16, &time);
     CHECK(time.ms <= 16);
     CHECK(t.pcg_iterations >= 20);
   }
   CHECK(b.missed == 0);
   // what is left for solves is nothing: 20 iterations they have all the same
-  cloth_budget_time long_ = {40, 1, 10};
+  cloth_budget_time long_ = {40, 1, 10, 1};
   cloth_budget_measured(&b, 16, &long_);
   CHECK(cloth_budget_choose(&b, &p, 16).pcg_iterations == 20);
+  // a step that took more systems than chosen may be followed by such another
+  cloth_budget_reset(&b);
+  cloth_budget_time more = {6 + 3, 3, 60, 10};
+  cloth_budget_measured(&b, 16, &more);
+  cloth_tuning t = cloth_budget_choose(&b, &p, 16);
+  CHECK(6 + 0.05 * 10 * t.pcg_iterations <= 0.9 * 16 + 0.05 * 200);
+  more.systems = 5;
+  cloth_budget_measured(&b, 16, &more);
+  CHECK(cloth_budget_choose(&b, &p, 16).pcg_iterations > t.pcg_iterations);
   p.pcg_iterations_max = 7; // of those who ask for less
   CHECK(cloth_budget_choose(&b, &p, 16).pcg_iterations == 7);
   return 0;

@@ -40,13 +40,14 @@ typedef struct cloth_backend {
   void (*close)(cloth_device *device); // NULL is allowed
 
   // Memory lives until release(). write() and read() block until COMPUTE is empty; copy() is queued
-  // on from's COPY; fill() sets bytes, queued on COMPUTE.
+  // on from's COPY; move() copies inside a device and fill() sets bytes, both queued on COMPUTE.
   cloth_status (*alloc)(cloth_device *device, size_t bytes, void **out, cloth_error *err);
   void (*release)(cloth_device *device, void *memory);
   cloth_status (*write)(cloth_device *device, void *dst, const void *host, size_t bytes, cloth_error *err);
   cloth_status (*read)(cloth_device *device, void *host, const void *src, size_t bytes, cloth_error *err);
   cloth_status (*copy)(cloth_device *from, cloth_device *to, void *dst, const void *src, size_t bytes,
                        cloth_error *err);
+  cloth_status (*move)(cloth_device *device, void *dst, const void *src, size_t bytes, cloth_error *err);
   cloth_status (*fill)(cloth_device *device, void *dst, int byte, size_t bytes, cloth_error *err);
 
   // NULL where there is no better way than launch by launch. A whole linear solve of one part on

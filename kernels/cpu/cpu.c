@@ -142,6 +142,7 @@ const cloth_backend *cloth_backend_cpu(void)
       .write = put,
       .read = put,
       .copy = copy,
+      .move = put,
       .fill = fill,
       .joined = joined,
       .solve_parts = solve_parts,

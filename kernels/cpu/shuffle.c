@@ -130,13 +130,26 @@ static job *push(cloth_device *d, cloth_queue q)
   return j;
 }
 
+static cloth_status copy_on(cloth_device *d, cloth_queue q, void *dst, const void *src,
+                            size_t bytes)
+{
+  job *j = push(d, q);
+  j->type = JOB_COPY, j->dst = dst, j->src = src, j->bytes = bytes;
+  return CLOTH_OK;
+}
+
 static cloth_status copy(cloth_device *from, cloth_device *to, void *dst, const void *src,
                          size_t bytes, cloth_error *err)
 {
   (void)to, (void)err;
-  job *j = push(from, CLOTH_COPY);
-  j->type = JOB_COPY, j->dst = dst, j->src = src, j->bytes = bytes;
-  return CLOTH_OK;
+  return copy_on(from, CLOTH_COPY, dst, src, bytes);
+}
+
+static cloth_status move(cloth_device *d, void *dst, const void *src, size_t bytes,
+                         cloth_error *err)
+{
+  (void)err;
+  return copy_on(d, CLOTH_COMPUTE, dst, src, bytes);
 }
 
 static cloth_status fill(cloth_device *d, void *dst, int byte, size_t bytes, cloth_error *err)
@@ -231,6 +244,7 @@ const cloth_backend *cloth_backend_shuffle(unsigned seed)
       .write = put,
       .read = put,
       .copy = copy,
+      .move = move,
       .fill = fill,
       .launch = launch,
       .sort = sort,

@@ -86,8 +86,9 @@ static void turn(worker *w, int start)
 
 static void product(worker *w)
 {
-  if (w->a->contacts > 0) {
-    share(w, CLOTH_KERNEL_contact_product, w->a->contacts, &w->a->contact);
+  int contacts = cloth_pcg_contacts(w->a);
+  if (contacts > 0) {
+    share(w, CLOTH_KERNEL_contact_product, contacts, &w->a->contact);
     wait(w);
   }
   cloth_pcg_product_args product = w->a->product;

@@ -333,6 +333,16 @@ __global__ void __launch_bounds__(HAT_THREADS)
 
 // a warp for each node
 __global__ void __launch_bounds__(CLOTH_HAT_LANES)
+    hat_matrix_kernel(const __grid_constant__ cloth_hat_matrix_args a)
+{
+  int i = a.first + (int)blockIdx.x;
+  cloth_real sum[CLOTH_HAT_MATRIX_SUMS] = {};
+  cloth_hat_matrix_lane(&a, i, (int)threadIdx.x, sum);
+  for (int f = 0; f < CLOTH_HAT_MATRIX_SUMS; f++) sum[f] = cloth_warp_sum(sum[f]);
+  if (threadIdx.x == 0) cloth_hat_matrix_set(&a, i, sum);
+}
+
+__global__ void __launch_bounds__(CLOTH_HAT_LANES)
     hat_upper_kernel(const __grid_constant__ cloth_hat_upper_args a)
 {
   int c = a.hats.fine + (int)blockIdx.x;
@@ -397,6 +407,7 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     BLOCKS(hat_rest, hat_rest_kernel, HAT_THREADS);
     BLOCKS(hat_rest_upper, hat_rest_upper_kernel, HAT_THREADS);
     BLOCKS(hat_upper, hat_upper_kernel, CLOTH_HAT_LANES);
+    BLOCKS(hat_matrix, hat_matrix_kernel, CLOTH_HAT_LANES);
     BLOCKS(coarse_factor, coarse_factor_kernel, FACTOR_THREADS);
     BLOCKS(coarse_rest, coarse_rest_kernel, CLOTH_WARP);
     BLOCKS(coarse_solve, coarse_solve_kernel, CLOTH_WARP);

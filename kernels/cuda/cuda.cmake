@@ -45,6 +45,7 @@ cloth_cuda_library(cloth_cuda_common ${CLOTH_CUDA_DIR}/device.cu ${CLOTH_CUDA_DI
 foreach(precision f32 f64)
   cloth_cuda_library(cloth_cuda_${precision} ${CLOTH_CUDA_DIR}/launch.cu ${CLOTH_CUDA_DIR}/blocks.cu
                      ${CLOTH_CUDA_DIR}/assemble.cu ${CLOTH_CUDA_DIR}/elements.cu ${CLOTH_CUDA_DIR}/pairs.cu
-                     ${CLOTH_CUDA_DIR}/solve.cu ${CLOTH_CUDA_DIR}/solve_parts.cu)
+                     ${CLOTH_CUDA_DIR}/solve.cu ${CLOTH_CUDA_DIR}/solve_small.cu
+                     ${CLOTH_CUDA_DIR}/solve_parts.cu)
 endforeach()
 target_compile_definitions(cloth_cuda_f32 PRIVATE CLOTH_SINGLE_PRECISION)

@@ -8,13 +8,14 @@
 struct cloth_device {
   int index;
   cudaStream_t stream[CLOTH_QUEUE_COUNT];
-  void *pinned;  // staging of reads and writes, PINNED_BYTES
-  void *scratch; // of sort, scan and solve: grown, kept
+  void *pinned;   // staging of reads and writes, PINNED_BYTES and a number
+  unsigned reads; // of few bytes so far
+  void *scratch;  // of sort, scan and solve: grown, kept
   size_t scratch_bytes;
   int multiprocessors;
   size_t shared_bytes; // most a block may ask for
   int solve_blocks;    // of a cooperative launch; 0: not asked yet
-  int cluster_blocks;  // of a cluster; 1: there are none
+  int cluster_blocks;  // of a cluster; 1: there are none, 0: not asked yet
   int part_blocks;     // the same of solve_parts.cu
 };
 
@@ -46,6 +47,9 @@ cloth_status cloth_cuda_sort(cloth_device *d, int n, int bits, uint64_t *key, ui
 cloth_status cloth_cuda_scan(cloth_device *d, int n, uint32_t *array, cloth_error *err);
 cloth_status cloth_cuda_solve(cloth_device *d, const struct cloth_pcg_solve_args *args,
                               cloth_error *err);
+/// The same for a cloth that is small enough, which `taken` says.
+cloth_status cloth_cuda_solve_small(cloth_device *d, const struct cloth_pcg_solve_args *args,
+                                    bool *taken, cloth_error *err);
 bool cloth_cuda_joined(int parts, cloth_device *const *device);
 cloth_status cloth_cuda_solve_parts(int parts, cloth_device *const *device,
                                     const struct cloth_pcg_part_args *args, cloth_error *err);

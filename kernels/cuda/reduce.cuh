@@ -20,7 +20,7 @@ static __device__ __forceinline__ cloth_real cloth_warp_sum(cloth_real v)
 static __device__ __forceinline__ cloth_real cloth_warp_coarse_rz(const cloth_pcg_beta_args &a)
 {
   cloth_real sum = 0;
-  for (int k = (int)threadIdx.x; k < 3 * a.aggregates; k += CLOTH_COARSE_LANES)
+  for (int k = (int)threadIdx.x % CLOTH_WARP; k < 3 * a.aggregates; k += CLOTH_COARSE_LANES)
     sum += a.rest[k] * a.coarse[k];
   return cloth_warp_sum(sum);
 }
@@ -109,18 +109,15 @@ template <int Lanes> static __device__ __forceinline__ cloth_v3 cloth_lanes_v3(c
   return v;
 }
 
-/// Group of nodes [begin, begin + Group) by a block of Lanes x Group threads:
-/// cloth_hat_rest_group(). Their share of r'z on the first thread. shared [Group]. Every thread of
-/// the block must come here.
+/// Nodes [begin, begin + Group) from their sums, which are on the first of Lanes threads each, by a
+/// block of Lanes x Group threads. Their share of r'z on the first thread. shared [Group]. Every
+/// thread of the block must come here.
 template <int Lanes, int Group>
-static __device__ __forceinline__ cloth_real cloth_block_hats(const cloth_hats *h,
-                                                              const cloth_real *from, int begin,
-                                                              int end, cloth_real *shared)
+static __device__ __forceinline__ cloth_real cloth_block_hats_set(const cloth_hats *h,
+                                                                  cloth_v3 rest, int begin, int end,
+                                                                  cloth_real *shared)
 {
   int node = (int)threadIdx.x / Lanes, lane = (int)threadIdx.x % Lanes, c = begin + node;
-  cloth_v3 rest = cloth_v3_make(0, 0, 0);
-  if (c < end) rest = cloth_hat_rest_lane(h, from, c, lane, Lanes);
-  rest = cloth_lanes_v3<Lanes>(rest);
   __syncthreads(); // `shared` may still be read from the last time
   if (lane == 0) shared[node] = c < end ? cloth_hat_rest_set(h, c, rest) : 0;
   __syncthreads();
@@ -129,6 +126,18 @@ static __device__ __forceinline__ cloth_real cloth_block_hats(const cloth_hats *
     for (int width = Group / 2; width > 0; width /= 2)
       sum += __shfl_down_sync(0xffffffffu, sum, (unsigned)width, Group);
   return sum;
+}
+
+/// The same from what they sum: cloth_hat_rest_group().
+template <int Lanes, int Group>
+static __device__ __forceinline__ cloth_real cloth_block_hats(const cloth_hats *h,
+                                                              const cloth_real *from, int begin,
+                                                              int end, cloth_real *shared)
+{
+  int c = begin + (int)threadIdx.x / Lanes;
+  cloth_v3 rest = cloth_v3_make(0, 0, 0);
+  if (c < end) rest = cloth_hat_rest_lane(h, from, c, (int)threadIdx.x % Lanes, Lanes);
+  return cloth_block_hats_set<Lanes, Group>(h, cloth_lanes_v3<Lanes>(rest), begin, end, shared);
 }
 
 /// Group i of the first level, of the others, with the sum written.
@@ -176,4 +185,29 @@ static __device__ __forceinline__ void cloth_block_partial_sums(const cloth_real
     }
   if (warp == 0)
     for (int f = 0; f < F; f++) sum[f] = cloth_warp_sum(sum[f]);
+}
+
+// CLOTH_PCG_LANES numbers by one warp: lane l has numbers l, l + 32, ... Every warp that does it
+// has the sum on all lanes, and none waits for another.
+enum { CLOTH_LANES_EACH = CLOTH_PCG_LANES / CLOTH_WARP };
+
+/// number(l) for each l of the lane.
+template <typename Number>
+static __device__ __forceinline__ void cloth_warp_lanes(cloth_real (&v)[CLOTH_LANES_EACH],
+                                                        Number number)
+{
+#pragma unroll
+  for (int k = 0; k < CLOTH_LANES_EACH; k++)
+    v[k] = number((int)threadIdx.x % CLOTH_WARP + k * CLOTH_WARP);
+}
+
+/// Their sum along the tree of cloth_chunks_sum(). v is overwritten.
+static __device__ __forceinline__ cloth_real cloth_warp_lanes_sum(cloth_real (&v)[CLOTH_LANES_EACH])
+{
+#pragma unroll
+  for (int width = CLOTH_LANES_EACH / 2; width > 0; width /= 2)
+    for (int k = 0; k < width; k++) v[k] += v[k + width];
+  for (int width = CLOTH_WARP / 2; width > 0; width /= 2)
+    v[0] += __shfl_xor_sync(0xffffffffu, v[0], width);
+  return v[0];
 }

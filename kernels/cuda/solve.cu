@@ -1,10 +1,7 @@
 // A whole linear solve as one kernel: every step is a loop over chunks by all blocks, with a
 // barrier behind it, so an iteration has no launch, no read and no scalar kernel. Chunk sums are
 // added up by each block for itself; where they are many, by the block that comes last to the
-// barrier before it lets the others go. A small scene is bound by its barriers and by loads that
-// wait for each other: it goes to one cluster of blocks, which has barriers in hardware, and its
-// rows stay in registers.
-#include "kept_row.cuh"
+// barrier before it lets the others go. Small cloths go to solve_small.cu.
 #include "launch.h"
 #include "pcg_solve.h"
 #include "reduce.cuh"
@@ -19,10 +16,7 @@ enum {
   FEW_SUMS = 4 * CLOTH_PCG_LANES, // that each block adds up for itself
   THREADS = CLOTH_PCG_LANES,
   CHUNKS = THREADS / CLOTH_CHUNK,
-  WARPS = THREADS / CLOTH_WARP,
-  CLUSTER_BLOCKS = 16, // of a cluster, and the most rows that it solves faster than the whole grid
-  CLUSTER_ROWS = 8192,
-  KEPT_SLOTS = 14 // of a row in registers: a vertex of a regular mesh with hinges has 13
+  WARPS = THREADS / CLOTH_WARP
 };
 
 // r = row(k) for each vertex k of the part, then z and the partial sums of each chunk
@@ -58,21 +52,6 @@ struct rows_ahead {
     return cloth_block_slots_product_ahead(r, row % CLOTH_ROW_GROUP, r->first[group],
                                            r->first[group + 1], a.product.x,
                                            cloth_v3_make(0, 0, 0));
-  }
-};
-
-// a thread's first row from its registers
-struct rows_kept {
-  cloth_kept_row<KEPT_SLOTS> mine;
-  __device__ explicit rows_kept(const cloth_pcg_solve_args &a)
-  {
-    mine.load(&a.product.rows, (int)(blockIdx.x * blockDim.x + threadIdx.x), a.v.count);
-  }
-  __device__ cloth_v3 product(const cloth_pcg_solve_args &a, int row)
-  {
-    if (row >= (int)(gridDim.x * blockDim.x))
-      return cloth_block_row_product(&a.product.rows, row, a.product.x);
-    return mine.product(&a.product.rows, row, a.product.x);
   }
 };
 
@@ -168,12 +147,13 @@ __device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, shar
 }
 
 template <typename Together, typename Rows>
-__device__ void product(const cloth_pcg_solve_args &a, Together &g, Rows &rows, shared_room *room)
+__device__ void product(const cloth_pcg_solve_args &a, int contacts, Together &g, Rows &rows,
+                        shared_room *room)
 {
   int stride = (int)(gridDim.x * blockDim.x);
-  for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < a.contacts; i += stride)
+  for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < contacts; i += stride)
     cloth_contact_product(i, &a.contact);
-  if (a.contacts > 0) g.sync();
+  if (contacts > 0) g.sync();
   for_rows(a, rows, room->upper);
   meet(a, g, room, [&](cloth_real *scalar) {
     cloth_real pq[1];
@@ -187,11 +167,12 @@ __device__ void solve(const cloth_pcg_solve_args &a, Together g)
 {
   __shared__ shared_room room;
   Rows rows(a);
+  int contacts = cloth_pcg_contacts(&a);
   if (threadIdx.x < CLOTH_PCG_SCALARS) room.scalar[threadIdx.x] = a.v.scalar[threadIdx.x];
   for_levels(a, room.upper, [&](int k) { return cloth_pcg_start_row(k, &a.v); });
   turn(a, g, 1, &room);
   for (int n = 0; n < a.iterations_max && !(room.scalar[CLOTH_PCG_DONE] > 0); n++) {
-    product(a, g, rows, &room);
+    product(a, contacts, g, rows, &room);
     if (room.scalar[CLOTH_PCG_DONE] > 0) break;
     cloth_real alpha = room.scalar[CLOTH_PCG_ALPHA];
     for_levels(a, room.upper, [&](int k) { return cloth_pcg_update_row(k, &a.v, alpha); });
@@ -216,64 +197,20 @@ __global__ void __launch_bounds__(THREADS, SPARSE)
   solve<rows_ahead>(a, cloth_together_grid(state));
 }
 
-__global__ void __launch_bounds__(THREADS, 1)
-    solve_by_cluster(const __grid_constant__ cloth_pcg_solve_args a, cloth_together_state *state)
-{
-  solve<rows_kept>(a, cloth_together_cluster(state));
-}
-
-// A kernel of one cluster: what the launch needs.
-struct cluster_launch {
-  cudaLaunchConfig_t config;
-  cudaLaunchAttribute size;
-};
-
-void cluster_of(cluster_launch *l, int blocks, cudaStream_t stream)
-{
-  *l = {};
-  l->size.id = cudaLaunchAttributeClusterDimension;
-  l->size.val.clusterDim.x = (unsigned)blocks;
-  l->size.val.clusterDim.y = l->size.val.clusterDim.z = 1;
-  l->config.gridDim = dim3((unsigned)blocks), l->config.blockDim = dim3(THREADS);
-  l->config.stream = stream, l->config.attrs = &l->size, l->config.numAttrs = 1;
-}
-
-// blocks of a cooperative launch, and of the largest cluster that the device runs
-cloth_status ask_device(cloth_device *d, cloth_error *err)
-{
-  int each = 0, major = 0;
-  CUDA_TRY(err, cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, solve_by_grid, THREADS, 0));
-  CUDA_TRY(err, cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, d->index));
-  d->solve_blocks = each * d->multiprocessors, d->cluster_blocks = 1;
-  if (major < 9) return CLOTH_OK;
-  CUDA_TRY(err, cudaFuncSetAttribute(solve_by_cluster,
-                                     cudaFuncAttributeNonPortableClusterSizeAllowed, 1));
-  for (int blocks = CLUSTER_BLOCKS; blocks > 1 && d->cluster_blocks == 1; blocks /= 2) {
-    cluster_launch l;
-    int clusters = 0;
-    cluster_of(&l, blocks, d->stream[CLOTH_COMPUTE]);
-    if (cudaOccupancyMaxActiveClusters(&clusters, solve_by_cluster, &l.config) == cudaSuccess &&
-        clusters > 0)
-      d->cluster_blocks = blocks;
-  }
-  cudaGetLastError();
-  return CLOTH_OK;
-}
-
 } // namespace
 
 cloth_status cloth_cuda_solve(cloth_device *d, const cloth_pcg_solve_args *args, cloth_error *err)
 {
   CUDA_TRY(err, cudaSetDevice(d->index));
-  if (d->solve_blocks == 0) CLOTH_TRY(ask_device(d, err));
-  cudaStream_t stream = d->stream[CLOTH_COMPUTE];
-  if (args->v.count <= CLUSTER_ROWS && d->cluster_blocks > 1) {
-    cluster_launch l;
-    cluster_of(&l, d->cluster_blocks, stream);
-    CUDA_TRY(err, cudaLaunchKernelEx(&l.config, solve_by_cluster, *args,
-                                     static_cast<cloth_together_state *>(nullptr)));
-    return CLOTH_OK;
+  bool taken = false;
+  CLOTH_TRY(cloth_cuda_solve_small(d, args, &taken, err));
+  if (taken) return CLOTH_OK;
+  if (d->solve_blocks == 0) {
+    int each = 0;
+    CUDA_TRY(err, cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, solve_by_grid, THREADS, 0));
+    d->solve_blocks = each * d->multiprocessors;
   }
+  cudaStream_t stream = d->stream[CLOTH_COMPUTE];
   int wanted = (args->v.count + THREADS - 1) / THREADS;
   if ((args->contacts + THREADS - 1) / THREADS > wanted)
     wanted = (args->contacts + THREADS - 1) / THREADS;

@@ -73,8 +73,6 @@ private:
 
 /// One cluster of blocks.
 struct cloth_together_cluster {
-  __device__ explicit cloth_together_cluster(cloth_together_state *) {}
-
   __device__ void sync()
   {
 #if __CUDA_ARCH__ >= 900
@@ -82,12 +80,5 @@ struct cloth_together_cluster {
                  "barrier.cluster.wait.acquire.aligned;" ::
                      : "memory");
 #endif
-  }
-
-  template <typename Last> __device__ void sync(Last last)
-  {
-    sync();
-    if (blockIdx.x == 0) last();
-    sync();
   }
 };

@@ -31,14 +31,16 @@ typedef struct cloth_assemble_row_args {
   const cloth_real *bend_constant;                            // [n x 4] 1/m: bend_quadratic.h; NULL
   cloth_incidence shape;                                      // 6 corners: bend_shape.h
   const cloth_real *shape_force, *shape_gradient, *shape_weight; // [n x 18], [n x 36], [n x 6]
-  const uint32_t *contact_first;                                 // [rows + 1]; NULL: no contacts
-  const uint32_t *contact_entry;                                 // [entries] 4 contact + corner
-  const cloth_real *contact_weight;                              // [contacts x 4]
-  const cloth_real *contact_force;                               // [contacts x 3] N
-  const cloth_real *contact_tangent;                             // [contacts x 6] N/m
-  cloth_block_rows rows;                                         // written
-  cloth_real *b;                                                 // [vertices x 3] N, written
-  cloth_real *inverse_diagonal;                                  // [vertices x 6] m/N, written
+  const uint32_t *contact_first; // [2 rows + 1] contact_row.h; NULL: no contacts
+  const uint32_t *contact_entry; // [entries] 4 contact + corner
+  int cloth_vertices;
+  const int *contact_vertex;         // [contacts x 4]
+  const cloth_real *contact_weight;  // [contacts x 4]
+  const cloth_real *contact_force;   // [contacts x 3] N
+  const cloth_real *contact_tangent; // [contacts x 6] N/m
+  cloth_block_rows rows;             // written
+  cloth_real *b;                     // [vertices x 3] N, written
+  cloth_real *inverse_diagonal;      // [vertices x 6] m/N, written
 } cloth_assemble_row_args;
 
 CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
@@ -46,12 +48,17 @@ CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_
   for (int n = a->membrane.first[i]; n < a->membrane.first[i + 1]; n++) {
     int e = a->membrane.corner[n] / 3, c = a->membrane.corner[n] % 3;
     const cloth_real *tangent = a->membrane_tangent + 45 * e;
-    *f = cloth_v3_add(*f, cloth_v3_load(a->membrane_force, 3 * e + c));
-    cloth_block_add_sym(&a->rows, i, a->membrane.slot[3 * n + c], cloth_sym3_load(tangent, c));
     int next = (c + 1) % 3, last = (c + 2) % 3; // stored: K(c, c + 1)
-    cloth_block_add(&a->rows, i, a->membrane.slot[3 * n + next], tangent + 18 + 9 * c);
-    cloth_block_add_transposed(&a->rows, i, a->membrane.slot[3 * n + last],
-                               tangent + 18 + 9 * last);
+    int slot[3] = {a->membrane.slot[3 * n + c], a->membrane.slot[3 * n + next],
+                   a->membrane.slot[3 * n + last]};
+    cloth_sym3 own = cloth_sym3_load(tangent, c);
+    cloth_real to_next[9], to_last[9];
+    for (int k = 0; k < 9; k++) to_next[k] = tangent[18 + 9 * c + k];
+    for (int k = 0; k < 9; k++) to_last[k] = tangent[18 + 9 * last + 3 * (k % 3) + k / 3];
+    *f = cloth_v3_add(*f, cloth_v3_load(a->membrane_force, 3 * e + c));
+    cloth_block_add_sym(&a->rows, i, slot[0], own);
+    cloth_block_add(&a->rows, i, slot[1], to_next);
+    cloth_block_add(&a->rows, i, slot[2], to_last);
   }
 }
 
@@ -61,9 +68,11 @@ CLOTH_FN void cloth_add_bend(int i, const cloth_assemble_row_args *a, cloth_v3 *
     int e = a->bend.corner[n] / 4, c = a->bend.corner[n] % 4;
     *f = cloth_v3_add(*f, cloth_v3_load(a->bend_force, 4 * e + c));
     cloth_v3 g = cloth_v3_scale(a->bend_weight[e], cloth_v3_load(a->bend_gradient, 4 * e + c));
+    cloth_v3 other[4];
+    int slot[4];
     for (int k = 0; k < 4; k++)
-      cloth_block_add_outer(&a->rows, i, a->bend.slot[4 * n + k], g,
-                            cloth_v3_load(a->bend_gradient, 4 * e + k));
+      other[k] = cloth_v3_load(a->bend_gradient, 4 * e + k), slot[k] = a->bend.slot[4 * n + k];
+    for (int k = 0; k < 4; k++) cloth_block_add_outer(&a->rows, i, slot[k], g, other[k]);
   }
 }
 
@@ -126,6 +135,35 @@ CLOTH_FN void cloth_add_drag(int i, const cloth_assemble_row_args *a, cloth_v3 *
   }
 }
 
+// contacts with bodies: their blocks couple vertices that the mesh couples too
+CLOTH_FN void cloth_add_body_contacts(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+{
+  for (uint32_t n = a->contact_first[2 * i]; n < a->contact_first[2 * i + 1]; n++) {
+    int e = (int)a->contact_entry[n], contact = e / 4;
+    cloth_real w = a->contact_weight[e];
+    cloth_sym3 t = cloth_sym3_load(a->contact_tangent, contact);
+    *f = cloth_v3_add_scaled(*f, w, cloth_v3_load(a->contact_force, contact));
+    for (int k = 0; k < 4; k++) {
+      int v = a->contact_vertex[4 * contact + k];
+      if (v < a->cloth_vertices)
+        cloth_block_add_sym(&a->rows, i, cloth_block_slot(&a->rows, i, v),
+                            cloth_sym3_scale(w * a->contact_weight[4 * contact + k], t));
+    }
+  }
+}
+
+// contacts of cloth with cloth: of their blocks the preconditioner knows the diagonal alone
+CLOTH_FN void cloth_add_factored_contacts(int i, const cloth_assemble_row_args *a, cloth_v3 *f,
+                                          cloth_sym3 *d)
+{
+  for (uint32_t n = a->contact_first[2 * i + 1]; n < a->contact_first[2 * i + 2]; n++) {
+    int e = (int)a->contact_entry[n];
+    cloth_real w = a->contact_weight[e];
+    *f = cloth_v3_add_scaled(*f, w, cloth_v3_load(a->contact_force, e / 4));
+    *d = cloth_sym3_add(*d, cloth_sym3_scale(w * w, cloth_sym3_load(a->contact_tangent, e / 4)));
+  }
+}
+
 CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
 {
   int v = a->first + i;
@@ -151,17 +189,9 @@ CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
   if (a->shape.first) cloth_add_bend_shape(i, a, &f);
   if (a->drag.first) cloth_add_drag(i, a, &f);
 
+  if (a->contact_first) cloth_add_body_contacts(i, a, &f);
   cloth_sym3 d = cloth_block_diagonal(&a->rows, i);
-  if (a->contact_first)
-    for (uint32_t n = a->contact_first[i]; n < a->contact_first[i + 1]; n++) {
-      uint32_t e = a->contact_entry[n];
-      cloth_real w = a->contact_weight[e];
-      f = cloth_v3_add_scaled(f, w, cloth_v3_load(a->contact_force, (int)(e / 4)));
-      cloth_sym3 t = cloth_sym3_load(a->contact_tangent, (int)(e / 4));
-      w *= w;
-      d.xx += w * t.xx, d.yy += w * t.yy, d.zz += w * t.zz;
-      d.yz += w * t.yz, d.zx += w * t.zx, d.xy += w * t.xy;
-    }
+  if (a->contact_first) cloth_add_factored_contacts(i, a, &f, &d);
   cloth_v3_store(a->b, v, f);
   cloth_sym3_store(a->inverse_diagonal, v, cloth_sym3_inverse(d));
 }

@@ -43,17 +43,21 @@ CLOTH_FN void cloth_block_clear(const cloth_block_rows *r, int row)
   for (int e = 0; e < 9 * width; e++) v[e * CLOTH_ROW_GROUP] = 0;
 }
 
-CLOTH_FN void cloth_block_add(const cloth_block_rows *r, int row, int slot, const cloth_real *m)
+/// The slot of a row that couples it to vertex v, which one does.
+CLOTH_FN int cloth_block_slot(const cloth_block_rows *r, int row, int v)
 {
-  cloth_real *v = cloth_block_at(r, row, slot);
-  for (int e = 0; e < 9; e++) v[e * CLOTH_ROW_GROUP] += m[e];
+  int g = row / CLOTH_ROW_GROUP, s = r->first[g], end = r->first[g + 1] - 1;
+  while (s < end && r->col[(int64_t)s * CLOTH_ROW_GROUP + row % CLOTH_ROW_GROUP] != v) s++;
+  return s - r->first[g];
 }
 
-CLOTH_FN void cloth_block_add_transposed(const cloth_block_rows *r, int row, int slot,
-                                         const cloth_real *m)
+// Whoever adds several blocks reads them all before he adds the first: for all that a compiler
+// knows they may lie among the rows, and what is read after a write waits for it.
+CLOTH_FN void cloth_block_add(const cloth_block_rows *r, int row, int slot, const cloth_real *m)
 {
-  cloth_real *v = cloth_block_at(r, row, slot);
-  for (int e = 0; e < 9; e++) v[e * CLOTH_ROW_GROUP] += m[3 * (e % 3) + e / 3];
+  cloth_real *v = cloth_block_at(r, row, slot), sum[9];
+  for (int e = 0; e < 9; e++) sum[e] = v[e * CLOTH_ROW_GROUP] + m[e];
+  for (int e = 0; e < 9; e++) v[e * CLOTH_ROW_GROUP] = sum[e];
 }
 
 CLOTH_FN void cloth_block_add_sym(const cloth_block_rows *r, int row, int slot, cloth_sym3 m)

@@ -11,7 +11,7 @@ typedef struct cloth_coarse_chunk_args {
   int first, count;      // owned vertices
   int cloth_vertices, chunks, aggregates;
   const cloth_real *free;            // [cloth vertices]
-  const uint32_t *contact_first;     // [rows + 1]; NULL: no contacts
+  const uint32_t *contact_first;     // [2 rows + 1] contact_row.h; NULL: no contacts
   const uint32_t *contact_entry;     // [entries] 4 contact + corner
   const int *contact_vertex;         // [contacts x 4]
   const cloth_real *contact_weight;  // [contacts x 4]
@@ -56,7 +56,7 @@ CLOTH_FN int cloth_coarse_row(int row, const cloth_coarse_chunk_args *a, cloth_r
       for (int e = 0; e < 9; e++) sum[e] += block[e * CLOTH_ROW_GROUP];
   }
   if (!a->contact_first) return others;
-  for (uint32_t n = a->contact_first[row]; n < a->contact_first[row + 1]; n++) {
+  for (uint32_t n = a->contact_first[2 * row + 1]; n < a->contact_first[2 * row + 2]; n++) {
     int corner = (int)a->contact_entry[n];
     for (int k = 0; k < 4; k++) {
       int side = cloth_coarse_side(a, own, a->contact_vertex[corner / 4 * 4 + k]);
@@ -83,7 +83,7 @@ CLOTH_FN void cloth_coarse_foreign(int row, const cloth_coarse_chunk_args *a, in
         *cloth_coarse_at(a, slice, col, e) += block[e * CLOTH_ROW_GROUP];
   }
   if (!a->contact_first) return;
-  for (uint32_t n = a->contact_first[row]; n < a->contact_first[row + 1]; n++) {
+  for (uint32_t n = a->contact_first[2 * row + 1]; n < a->contact_first[2 * row + 2]; n++) {
     int corner = (int)a->contact_entry[n];
     for (int k = 0; k < 4; k++) {
       int v = a->contact_vertex[corner / 4 * 4 + k];

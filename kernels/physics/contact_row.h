@@ -1,4 +1,5 @@
-// Where the contacts of row i begin in the sorted list.
+// Where the contacts of row i / 2 begin in the sorted list: i even, all; i odd, those in factors
+// (contact_entry.h).
 #pragma once
 
 #include "real.h"
@@ -6,7 +7,7 @@
 typedef struct cloth_contact_row_args {
   int count;           // entries
   const uint64_t *row; // [count] sorted
-  uint32_t *first;     // [rows + 1], written
+  uint32_t *first;     // [2 rows + 1], written
 } cloth_contact_row_args;
 
 CLOTH_FN void cloth_contact_row(int i, const cloth_contact_row_args *a)

@@ -11,7 +11,7 @@ typedef struct cloth_hat_row_args {
   int cloth_vertices;
   const cloth_real *place;           // [cloth vertices x 3] hat.h
   const cloth_real *free;            // [cloth vertices]
-  const uint32_t *contact_first;     // [rows + 1]; NULL: no contacts
+  const uint32_t *contact_first;     // [2 rows + 1] contact_row.h; NULL: no contacts
   const uint32_t *contact_entry;     // [entries] 4 contact + corner
   const int *contact_vertex;         // [contacts x 4]
   const cloth_real *contact_weight;  // [contacts x 4]
@@ -52,8 +52,8 @@ CLOTH_FN void cloth_hat_row(int i, const cloth_hat_row_args *a)
     m.xy = (b[g] + b[3 * g]) / 2;
     cloth_hat_couple(a, u, node, a->rows.col[(int64_t)s * g + lane], 1, m, sum);
   }
-  uint32_t begin = a->contact_first ? a->contact_first[i] : 0;
-  uint32_t end = a->contact_first ? a->contact_first[i + 1] : 0;
+  uint32_t begin = a->contact_first ? a->contact_first[2 * i + 1] : 0;
+  uint32_t end = a->contact_first ? a->contact_first[2 * i + 2] : 0;
   for (uint32_t n = begin; n < end; n++) {
     int corner = (int)a->contact_entry[n], contact = corner / 4;
     cloth_sym3 m = cloth_sym3_load(a->contact_tangent, contact);

@@ -6,7 +6,7 @@
 typedef struct cloth_pcg_product_args {
   cloth_block_rows rows;         // of this part
   int first, count;              // owned vertices
-  const uint32_t *contact_first; // [rows + 1]; NULL: no contacts
+  const uint32_t *contact_first; // [2 rows + 1] contact_row.h; NULL: no contacts
   const cloth_real *contact_q;   // [entries x 3] by row: contact_product.h
   const cloth_real *x;           // [vertices x 3]
   cloth_real *q;                 // [vertices x 3], written
@@ -17,8 +17,8 @@ typedef struct cloth_pcg_product_args {
 /// Row `row` of q from its mesh part: contacts are added, q is stored. Returns its share of x'q.
 CLOTH_FN cloth_real cloth_pcg_product_row(int row, const cloth_pcg_product_args *a, cloth_v3 q)
 {
-  uint32_t begin = a->contact_first ? a->contact_first[row] : 0;
-  uint32_t end = a->contact_first ? a->contact_first[row + 1] : 0;
+  uint32_t begin = a->contact_first ? a->contact_first[2 * row + 1] : 0;
+  uint32_t end = a->contact_first ? a->contact_first[2 * row + 2] : 0;
   CLOTH_UNROLL_MORE
   for (uint32_t n = begin; n < end; n++) q = cloth_v3_add(q, cloth_v3_load(a->contact_q, (int)n));
   cloth_v3_store(a->q, a->first + row, q);

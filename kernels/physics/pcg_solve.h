@@ -17,6 +17,7 @@ typedef struct cloth_pcg_solve_args {
   cloth_pcg_vectors v;
   cloth_contact_product_args contact;
   int contacts;
+  const uint32_t *factored; // [1] how many of them the product takes: contact_entry.h
   cloth_pcg_product_args product;
   cloth_coarse_rest_args rest; // with aggregates only
   cloth_coarse_solve_args coarse;
@@ -25,3 +26,9 @@ typedef struct cloth_pcg_solve_args {
   cloth_real *more_partial; // [chunks x CLOTH_PCG_PARTIALS] for who adds p'q up while others go on
   int iterations_max;
 } cloth_pcg_solve_args;
+
+/// Contacts that the product goes through: none where all lie in the matrix.
+CLOTH_FN int cloth_pcg_contacts(const cloth_pcg_solve_args *a)
+{
+  return a->contacts > 0 && *a->factored > 0 ? a->contacts : 0;
+}

@@ -122,6 +122,13 @@ CLOTH_FN cloth_sym3 cloth_sym3_axis(cloth_real a, cloth_real b, cloth_v3 n)
   return s;
 }
 
+CLOTH_FN cloth_sym3 cloth_sym3_scale(cloth_real s, cloth_sym3 a)
+{
+  a.xx *= s, a.yy *= s, a.zz *= s;
+  a.yz *= s, a.zx *= s, a.xy *= s;
+  return a;
+}
+
 CLOTH_FN cloth_sym3 cloth_sym3_add(cloth_sym3 a, cloth_sym3 b)
 {
   a.xx += b.xx, a.yy += b.yy, a.zz += b.zz;

@@ -14,12 +14,13 @@
 #include "contact_row.h"
 #include "effect/effect.h"
 
+#include <limits.h>
 #include <math.h>
 
 #define UNTANGLE_SPEED 0.15 // m/s, at which an intersection is worked out, and at most this
 #define UNTANGLE_SHARE 0.6  // share of the thickness in a substep
 
-enum { COUNT_CONTACTS = 3, COUNT_TOTALS = 6 }; // places in part->counter
+enum { COUNT_CONTACTS = 3, COUNT_FACTORED = 5, COUNT_TOTALS = 6 }; // places in part->counter
 
 cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *p)
 {
@@ -123,22 +124,34 @@ static int bits_below(int n)
   return bits;
 }
 
+int cloth_contact_body_first(const cloth_sim *sim)
+{
+  return sim->active[CLOTH_EFFECT_membrane] ? sim->vertex_count : INT_MAX;
+}
+
 // each row's contacts, in one order
 static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   int rows = p->v1 - p->v0, entries = 4 * p->contact_count;
   if (p->contact_first == NULL)
-    CLOTH_TRY(cloth_take(sim, p, "contact_first", sizeof(uint32_t) * ((size_t)rows + 1),
+    CLOTH_TRY(cloth_take(sim, p, "contact_first", sizeof(uint32_t) * (2 * (size_t)rows + 1),
                          &p->contact_first, err));
-  cloth_contact_entry_args e = {p->v0, p->v1, p->contact_vertex, p->contact_row, p->contact_entry};
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_FACTORED, 1, err));
+  cloth_contact_entry_args e = {.first = p->v0,
+                                .last = p->v1,
+                                .body_first = cloth_contact_body_first(sim),
+                                .vertex = p->contact_vertex,
+                                .row = p->contact_row,
+                                .entry = p->contact_entry,
+                                .factored = p->counter + COUNT_FACTORED};
   CLOTH_LAUNCH(sim, p, contact_entry, p->contact_count, &e, err);
-  CLOTH_TRY(sim->backend->sort(p->device, entries, bits_below(rows), p->contact_row,
+  CLOTH_TRY(sim->backend->sort(p->device, entries, bits_below(2 * rows + 1), p->contact_row,
                                p->contact_entry, p->contact_row_spare, p->contact_entry_spare,
                                err));
   cloth_contact_place_args w = {p->contact_entry, p->contact_place};
   CLOTH_LAUNCH(sim, p, contact_place, entries, &w, err);
   cloth_contact_row_args r = {entries, p->contact_row, p->contact_first};
-  return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, rows + 1, &r, err);
+  return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, 2 * rows + 1, &r, err);
 }
 
 // In units of mass / substep^2, but a step that is halved because its solve was rough keeps its
@@ -153,6 +166,8 @@ double cloth_contact_stiffness(const cloth_sim *sim)
 // What a contact becomes stiffer by each time that its pair passes in spite of it. Not where cloth
 // intersects: between bodies that leave no room it would be thrown from one to the other.
 #define STIFFER 10
+
+const uint32_t *cloth_contact_factored(const cloth_part *p) { return p->counter + COUNT_FACTORED; }
 
 // planes and rows of the pairs in the list, which is put in order
 static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)

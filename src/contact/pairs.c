@@ -18,6 +18,7 @@
 #include "vertex_escape.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS };      // places in part->counter
@@ -88,6 +89,7 @@ static int count_near_triangles(const cloth_sim *sim)
   return n;
 }
 
+// written only where other bodies are near than the last time
 static cloth_status list_near_triangles(cloth_sim *sim, cloth_part *p, int n, cloth_error *err)
 {
   if (n == 0) return CLOTH_OK;
@@ -96,7 +98,13 @@ static cloth_status list_near_triangles(cloth_sim *sim, cloth_part *p, int n, cl
   for (int b = 0; b < sim->def->body_count; b++)
     for (int t = 0; sim->body[b].near && t < sim->body[b].triangle_count; t++)
       list[k++] = sim->body[b].triangle_first + t;
-  return sim->backend->write(p->device, p->body_triangle, list, sizeof *list * (size_t)n, err);
+  size_t bytes = sizeof *list * (size_t)n;
+  if (n == p->body_listed_count && memcmp(list, p->body_listed, bytes) == 0) return CLOTH_OK;
+  int *listed = realloc(p->body_listed, bytes);
+  if (listed == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%d triangles of bodies", n);
+  memcpy(listed, list, bytes);
+  p->body_listed = listed, p->body_listed_count = n;
+  return sim->backend->write(p->device, p->body_triangle, list, bytes, err);
 }
 
 // cells about as large as a swept triangle's box, times `coarser`; the grid spans the cloth

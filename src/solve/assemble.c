@@ -40,6 +40,8 @@ cloth_status cloth_assemble(cloth_sim *sim, cloth_error *err)
         .shape_weight = p->bend_weight,
         .contact_first = p->contact_count > 0 ? p->contact_first : NULL,
         .contact_entry = p->contact_entry,
+        .cloth_vertices = sim->vertex_count,
+        .contact_vertex = p->contact_vertex,
         .contact_weight = p->contact_weight,
         .contact_force = p->contact_force,
         .contact_tangent = p->contact_tangent,

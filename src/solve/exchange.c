@@ -57,10 +57,5 @@ cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, si
 cloth_status cloth_copy_local(cloth_sim *sim, cloth_part *part, void *dst, const void *src,
                               size_t bytes, cloth_error *err)
 {
-  const cloth_backend *be = sim->backend;
-  CLOTH_TRY(be->record(part->device, CLOTH_COMPUTE, part->ready, err));
-  CLOTH_TRY(be->wait(part->device, CLOTH_COPY, part->ready, err));
-  CLOTH_TRY(be->copy(part->device, part->device, dst, src, bytes, err));
-  CLOTH_TRY(be->record(part->device, CLOTH_COPY, part->sent, err));
-  return be->wait(part->device, CLOTH_COMPUTE, part->sent, err);
+  return sim->backend->move(part->device, dst, src, bytes, err);
 }

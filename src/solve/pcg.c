@@ -8,6 +8,7 @@
 #include "coarse_rest.h"
 #include "coarse_solve.h"
 #include "coarse_sum.h"
+#include "contact/contact.h"
 #include "contact_product.h"
 #include "correct.h"
 #include "pcg_alpha.h"
@@ -56,9 +57,15 @@ static const cloth_real *done_flag(const cloth_part *p) { return p->scalar + CLO
 static cloth_contact_product_args contact_args(const cloth_sim *sim, const cloth_part *p,
                                                const cloth_real *x)
 {
-  cloth_contact_product_args a = {
-      sim->vertex_count, p->contact_vertex, p->contact_weight, p->contact_tangent, x,
-      p->contact_place,  p->contact_q};
+  cloth_contact_product_args a = {.cloth_vertices = sim->vertex_count,
+                                  .body_first = cloth_contact_body_first(sim),
+                                  .vertex = p->contact_vertex,
+                                  .weight = p->contact_weight,
+                                  .tangent = p->contact_tangent,
+                                  .p = x,
+                                  .place = p->contact_place,
+                                  .entry = p->contact_entry,
+                                  .q = p->contact_q};
   return a;
 }
 
@@ -275,6 +282,7 @@ static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p
   cloth_pcg_solve_args a = {.v = vectors(sim, p),
                             .contact = contact_args(sim, p, p->p),
                             .contacts = p->contact_count,
+                            .factored = cloth_contact_factored(p),
                             .product = product_args(p, p->p, done),
                             .rest = rest_args(sim, p, done),
                             .coarse = coarse_args(sim, p, done),

@@ -259,7 +259,7 @@ void cloth_sim_free(void *data)
     sim->backend->finish(part->device, NULL);
     for (int i = 0; i < part->block_count; i++)
       sim->backend->release(part->device, part->block[i].data);
-    free(part->block);
+    free(part->block), free(part->body_listed);
     sim->backend->event_free(part->ready);
     sim->backend->event_free(part->sent);
     sim->backend->event_free(part->stage_begin);

@@ -102,7 +102,8 @@ typedef struct cloth_part {
   unsigned char *edge_flat;              // of all cloth and bodies
   unsigned char *vertex_flat;            // of bodies
   cloth_real *vertex_box, *triangle_box; // [all x 6] m
-  int *body_triangle;                    // triangles of near bodies
+  int *body_triangle, *body_listed;      // triangles of near bodies; on the host, as last written
+  int body_listed_count;
   uint32_t *cells;                       // [active + 1]
   uint64_t *cell_key, *cell_key_spare;
   uint32_t *cell_triangle, *cell_triangle_spare, *work, *large;

@@ -1,0 +1,428 @@
+// A whole linear solve of a small cloth on one cluster of blocks: a thread for each row, which
+// stays in its registers, and whatever a block alone reads in its shared memory. What is left of an
+// iteration's time are its barriers and the loads behind them, so there are four: blocks tell each
+// other residuals, sums of the first level of hats, directions and products. Everything between
+// is done by every block for itself, in one order, which is quicker than to wait for one: scalars,
+// the upper levels of hats, the right-hand side of the coarse level.
+#include "kept_row.cuh"
+#include "launch.h"
+#include "pcg_solve.h"
+#include "reduce.cuh"
+#include "together.cuh"
+
+namespace {
+
+enum {
+  THREADS = CLOTH_PCG_LANES,
+  CHUNKS = THREADS / CLOTH_CHUNK, // of a block at most
+  WARPS = THREADS / CLOTH_WARP,
+  BLOCKS = 16, // of a cluster at most
+  // of a row in registers: a vertex of a regular mesh with hinges has 13
+  KEPT_SLOTS = sizeof(cloth_real) == 4 ? 14 : 5,
+  KEPT_CHILDREN = 8, // of a lane's share of a node of the first level
+  NODES_AT_ONCE = 4  // upper nodes of a warp
+};
+
+// ---- what a block keeps -------------------------------------------------------------------------
+
+// Its rows, and the first level's group of nodes that it sums. Physics finds them by the indices of
+// the whole, in arrays that are taken to begin that much earlier.
+struct own_room {
+  cloth_real dx[3 * THREADS], r[3 * THREADS], z[3 * THREADS], p[3 * THREADS], q[3 * THREADS];
+  cloth_real inverse_diagonal[6 * THREADS], free[THREADS], weight[CLOTH_HAT_CORNERS * THREADS];
+  int corner[CLOTH_HAT_CORNERS * THREADS];
+  cloth_real node_inverse[6 * CLOTH_HAT_FINE_GROUP];
+  cloth_kept_node<KEPT_CHILDREN, THREADS> node;
+  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], shares[CLOTH_HAT_FINE_GROUP];
+  cloth_real coarse_rest[3 * CLOTH_AGGREGATES_MAX];
+};
+
+// Behind it, of every block the same: numbers of all nodes, and what the upper ones read.
+struct hats_room {
+  cloth_real *rest, *correction;           // [nodes x 3]
+  cloth_real *inverse;                     // [upper nodes x 6]
+  cloth_real *share;                       // [whole groups of upper nodes] of r'z
+  cloth_real *child_weight, *upper_weight; // [fine x uppers]
+  int *first, *child, *upper;              // [upper nodes + 1], [fine x uppers] twice
+};
+
+__host__ __device__ int upper_shares(const cloth_hats *h)
+{
+  return cloth_hat_groups(h) * CLOTH_HAT_GROUP;
+}
+
+__host__ __device__ size_t room_bytes(const cloth_hats *h)
+{
+  size_t uppers = (size_t)(h->nodes - h->fine), shared = (size_t)h->fine * (size_t)h->uppers;
+  if (h->nodes == 0) return sizeof(own_room);
+  return sizeof(own_room) +
+         sizeof(cloth_real) *
+             (6 * (size_t)h->nodes + 6 * uppers + (size_t)upper_shares(h) + 2 * shared) +
+         sizeof(int) * (uppers + 1 + 2 * shared);
+}
+
+__device__ hats_room hats_room_at(char *memory, const cloth_hats *h)
+{
+  int uppers = h->nodes - h->fine, shared = h->fine * h->uppers;
+  hats_room room;
+  room.rest = reinterpret_cast<cloth_real *>(memory);
+  room.correction = room.rest + 3 * h->nodes;
+  room.inverse = room.correction + 3 * h->nodes;
+  room.share = room.inverse + 6 * uppers;
+  room.child_weight = room.share + upper_shares(h);
+  room.upper_weight = room.child_weight + shared;
+  room.first = reinterpret_cast<int *>(room.upper_weight + shared);
+  room.child = room.first + uppers + 1;
+  room.upper = room.child + shared;
+  return room;
+}
+
+template <typename T> __device__ void copy_in(T *to, const T *from, int count)
+{
+#pragma unroll 4
+  for (int k = (int)threadIdx.x; k < count; k += THREADS) to[k] = from[k];
+}
+
+// One thread and its block. What can be worked out again is not kept: registers are for the row.
+struct worker {
+  const cloth_pcg_solve_args &a;
+  char *memory;
+  int row, k, lane; // the thread's row, its vertex, its place in its warp
+  bool there;       // has it a row?
+  cloth_kept_row<KEPT_SLOTS> mine;
+  cloth_real scalar[CLOTH_PCG_SCALARS]; // each thread knows them
+
+  __device__ worker(const cloth_pcg_solve_args &args, char *room) : a(args), memory(room)
+  {
+    int chunks = (a.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, thread = (int)threadIdx.x;
+    int each = (chunks + (int)gridDim.x - 1) / (int)gridDim.x;
+    row = (int)blockIdx.x * each * CLOTH_CHUNK + thread, k = a.v.first + row;
+    lane = thread % CLOTH_WARP, there = thread / CLOTH_CHUNK < each && row < a.v.count;
+    mine.load(&a.product.rows, there ? row : a.v.count, a.v.count);
+    for (int s = 0; s < CLOTH_PCG_SCALARS; s++) scalar[s] = a.v.scalar[s];
+    if (there) {
+      own()->free[thread] = a.v.free[k];
+      cloth_sym3_store(own()->inverse_diagonal, thread, cloth_sym3_load(a.v.inverse_diagonal, k));
+    }
+    if (a.v.hats.nodes > 0) keep_hats();
+    __syncthreads();
+  }
+
+  __device__ own_room *own() const { return reinterpret_cast<own_room *>(memory); }
+
+  __device__ hats_room upper() const { return hats_room_at(memory + sizeof(own_room), &a.v.hats); }
+
+  // the block's rows
+  __device__ cloth_pcg_vectors vectors() const
+  {
+    cloth_pcg_vectors v = a.v;
+    own_room *room = own();
+    int first = k - (int)threadIdx.x;
+    v.dx = room->dx - 3 * first, v.r = room->r - 3 * first, v.z = room->z - 3 * first;
+    v.p = room->p - 3 * first, v.q = room->q - 3 * first, v.free = room->free - first;
+    v.inverse_diagonal = room->inverse_diagonal - 6 * first;
+    v.hats = hats();
+    return v;
+  }
+
+  // the levels as the block has them: what its rows and the upper nodes read
+  __device__ cloth_hats hats() const
+  {
+    cloth_hats h = a.v.hats;
+    hats_room room = upper();
+    int first = CLOTH_HAT_CORNERS * (k - (int)threadIdx.x);
+    h.corner = own()->corner - first, h.weight = own()->weight - first;
+    h.inverse = room.inverse - 6 * h.fine, h.first = room.first - h.fine;
+    h.child = room.child, h.child_weight = room.child_weight;
+    h.upper = room.upper, h.upper_weight = room.upper_weight;
+    h.rest = room.rest, h.correction = room.correction;
+    return h;
+  }
+
+  __device__ void keep_hats() const
+  {
+    const cloth_hats *h = &a.v.hats;
+    hats_room room = upper();
+    int uppers = h->nodes - h->fine, shared = h->fine * h->uppers, begin = h->first[h->fine];
+    copy_in(room.inverse, h->inverse + 6 * h->fine, 6 * uppers);
+    for (int i = (int)threadIdx.x; i <= uppers; i += THREADS)
+      room.first[i] = h->first[h->fine + i] - begin;
+    copy_in(room.child, h->child + begin, h->first[h->nodes] - begin);
+    copy_in(room.child_weight, h->child_weight + begin, h->first[h->nodes] - begin);
+    copy_in(room.upper, h->upper, shared);
+    copy_in(room.upper_weight, h->upper_weight, shared);
+    for (int i = uppers + (int)threadIdx.x; i < upper_shares(h); i += THREADS) room.share[i] = 0;
+
+    int thread = (int)threadIdx.x, group = (int)blockIdx.x * CLOTH_HAT_FINE_GROUP;
+    for (int c = 0; c < CLOTH_HAT_CORNERS && there; c++) {
+      int to = CLOTH_HAT_CORNERS * thread + c, from = CLOTH_HAT_CORNERS * k + c;
+      own()->corner[to] = h->corner[from], own()->weight[to] = h->weight[from];
+    }
+    int nodes = h->fine - group < CLOTH_HAT_FINE_GROUP ? h->fine - group : CLOTH_HAT_FINE_GROUP;
+    copy_in(own()->node_inverse, h->inverse + 6 * group, 6 * nodes);
+    own()->node.load(h, group + thread / CLOTH_HAT_FINE_LANES, thread % CLOTH_HAT_FINE_LANES,
+                     CLOTH_HAT_FINE_LANES);
+  }
+
+  // ---- an iteration -----------------------------------------------------------------------------
+
+  __device__ static void meet() { cloth_together_cluster().sync(); }
+
+  // r = of(k), z, and the sums of the block's chunks
+  template <typename Row> __device__ void residuals(Row of)
+  {
+    cloth_pcg_vectors v = vectors();
+    cloth_v3 r = cloth_v3_make(0, 0, 0);
+    if (there) r = of(k, &v);
+    if (there && a.v.hats.nodes > 0) cloth_v3_store(a.v.r, k, r); // nodes of others read it
+    cloth_block_z(&v, k - (int)threadIdx.x % CLOTH_CHUNK, k, there, r, own()->upper);
+    meet();
+  }
+
+  // the first level of hats, from r; group i by block i
+  __device__ void fine_hats()
+  {
+    int i = (int)blockIdx.x, groups = cloth_hat_fine_groups(&a.v.hats);
+    if (i < groups) {
+      int begin = i * CLOTH_HAT_FINE_GROUP, end = begin + CLOTH_HAT_FINE_GROUP;
+      cloth_hats fine = a.v.hats;
+      fine.inverse = own()->node_inverse - 6 * begin;
+      cloth_v3 rest = cloth_lanes_v3<CLOTH_HAT_FINE_LANES>(
+          own()->node.rest(&fine, a.v.r, CLOTH_HAT_FINE_LANES));
+      cloth_real sum = cloth_block_hats_set<CLOTH_HAT_FINE_LANES, CLOTH_HAT_FINE_GROUP>(
+          &fine, rest, begin, end < fine.fine ? end : fine.fine, own()->shares);
+      if (threadIdx.x == 0) a.hats.partial[CLOTH_PCG_PARTIALS * i] = sum;
+    }
+    for (i += (int)gridDim.x; i < groups; i += (int)gridDim.x)
+      cloth_block_hat_rest(&a.hats, i, own()->shares);
+    meet();
+  }
+
+  // the other levels, from the first
+  __device__ void upper_hats() const
+  {
+    cloth_hats levels = hats();
+    const cloth_hats *h = &levels;
+    cloth_real *share = upper().share;
+    copy_in(h->rest, a.v.hats.rest, 3 * h->fine);
+    copy_in(h->correction, a.v.hats.correction, 3 * h->fine);
+    __syncthreads();
+    int warp = (int)threadIdx.x / CLOTH_WARP;
+    for (int c = h->fine + warp; c < h->nodes; c += WARPS * NODES_AT_ONCE) {
+      cloth_v3 rest[NODES_AT_ONCE];
+      for (int n = 0; n < NODES_AT_ONCE; n++) {
+        rest[n] = cloth_v3_make(0, 0, 0);
+        if (c + WARPS * n < h->nodes)
+          rest[n] = cloth_hat_rest_lane(h, h->rest, c + WARPS * n, lane, CLOTH_HAT_LANES);
+      }
+      for (int n = 0; n < NODES_AT_ONCE; n++) rest[n] = cloth_lanes_v3<CLOTH_HAT_LANES>(rest[n]);
+      for (int n = 0; n < NODES_AT_ONCE; n++)
+        if (lane == 0 && c + WARPS * n < h->nodes)
+          share[c + WARPS * n - h->fine] = cloth_hat_rest_set(h, c + WARPS * n, rest[n]);
+    }
+    __syncthreads();
+  }
+
+  // the group's share of r'z
+  __device__ cloth_real upper_group(int i) const
+  {
+    cloth_real share[CLOTH_HAT_GROUP];
+    const cloth_real *all = upper().share + i * CLOTH_HAT_GROUP;
+    for (int c = 0; c < CLOTH_HAT_GROUP; c++) share[c] = all[c];
+    return cloth_lanes_sum(share, CLOTH_HAT_GROUP);
+  }
+
+  // the coarse level's correction; its right-hand side by each block for itself
+  __device__ void coarse_level()
+  {
+    cloth_coarse_rest_args rest = a.rest;
+    cloth_coarse_solve_args coarse = a.coarse;
+    rest.rest = own()->coarse_rest, rest.done = nullptr, coarse.rest = own()->coarse_rest;
+    if ((int)threadIdx.x < rest.aggregates) cloth_coarse_rest((int)threadIdx.x, &rest);
+    __syncthreads();
+    int warp = (int)(blockIdx.x * WARPS + threadIdx.x / CLOTH_WARP);
+    for (int i = warp; i < 3 * coarse.aggregates; i += (int)gridDim.x * WARPS) {
+      cloth_real sum = cloth_warp_sum(cloth_coarse_lane(&coarse, i, lane));
+      if (lane == 0) coarse.coarse[i] = *coarse.usable > 0 ? sum : 0;
+    }
+    meet();
+  }
+
+  // with the upper levels of hats, which come while the sums do
+  __device__ void set_beta(int start)
+  {
+    int shared = a.beta.sums - cloth_hat_groups(&a.v.hats); // the others know the block itself
+    cloth_real rz_of[CLOTH_LANES_EACH], rr_of[CLOTH_LANES_EACH];
+    const cloth_real *partial = a.beta.partial;
+    cloth_warp_lanes(rz_of,
+                     [&](int l) { return l < shared ? partial[CLOTH_PCG_PARTIALS * l] : 0; });
+    cloth_warp_lanes(rr_of,
+                     [&](int l) { return l < shared ? partial[CLOTH_PCG_PARTIALS * l + 1] : 0; });
+    if (a.v.hats.nodes > 0) upper_hats();
+#pragma unroll
+    for (int j = 0; j < CLOTH_LANES_EACH; j++) {
+      int l = lane + j * CLOTH_WARP;
+      if (l >= shared && l < a.beta.sums) rz_of[j] = upper_group(l - shared);
+    }
+    cloth_real rz = cloth_warp_lanes_sum(rz_of), rr = cloth_warp_lanes_sum(rr_of);
+    cloth_pcg_beta_args beta = a.beta;
+    beta.start = start, beta.rest = own()->coarse_rest, beta.scalar = scalar;
+    if (a.v.coarse) rz += __shfl_sync(0xffffffffu, cloth_warp_coarse_rz(beta), 0);
+    cloth_pcg_beta_set(&beta, rz, rr);
+  }
+
+  __device__ void directions()
+  {
+    cloth_pcg_vectors v = vectors();
+    for (int i = (int)threadIdx.x; i < v.hats.fine; i += THREADS) cloth_hat_spread_node(i, &v.hats);
+    if (v.hats.nodes > 0) __syncthreads();
+    if (there) {
+      cloth_pcg_direction_row(k, &v, scalar[CLOTH_PCG_BETA], cloth_pcg_coarse_of(k, &v));
+      cloth_v3_store(a.v.p, k, cloth_v3_load(v.p, k));
+    }
+    meet();
+  }
+
+  // after r, z and their sums: corrections, beta, directions
+  __device__ void turn(int start)
+  {
+    if (a.v.coarse) coarse_level();
+    if (a.v.hats.nodes > 0) fine_hats();
+    set_beta(start);
+    if (!(scalar[CLOTH_PCG_DONE] > 0)) directions();
+  }
+
+  // q = A p with the contacts that are not in the matrix
+  __device__ cloth_v3 product_row()
+  {
+    cloth_v3 q = mine.product(&a.product.rows, row, a.v.p);
+    const uint32_t *first = a.product.contact_first;
+    for (uint32_t n = first ? first[2 * row + 1] : 0; n < (first ? first[2 * row + 2] : 0); n++) {
+      int e = (int)a.contact.entry[n];
+      q = cloth_v3_add(q,
+                       cloth_v3_scale(a.contact.weight[e], cloth_contact_pull(e / 4, &a.contact)));
+    }
+    return q;
+  }
+
+  __device__ void products()
+  {
+    cloth_pcg_vectors v = vectors();
+    cloth_pcg_product_args product = a.product;
+    product.contact_first = nullptr, product.q = v.q, product.x = v.p;
+    cloth_real sum[1] = {};
+    if (there) sum[0] = cloth_pcg_product_row(row, &product, product_row());
+    cloth_block_chunk_sums(sum, own()->upper);
+    if (there && threadIdx.x % CLOTH_CHUNK == 0)
+      a.more_partial[CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK)] = sum[0];
+    meet();
+    cloth_real pq[CLOTH_LANES_EACH];
+    cloth_warp_lanes(
+        pq, [&](int l) { return l < a.v.chunks ? a.more_partial[CLOTH_PCG_PARTIALS * l] : 0; });
+    cloth_pcg_alpha_set(scalar, cloth_warp_lanes_sum(pq));
+  }
+
+  __device__ void solve()
+  {
+    residuals([](int at, const cloth_pcg_vectors *v) { return cloth_pcg_start_row(at, v); });
+    turn(1);
+    for (int n = 0; n < a.iterations_max && !(scalar[CLOTH_PCG_DONE] > 0); n++) {
+      products();
+      if (scalar[CLOTH_PCG_DONE] > 0) return;
+      cloth_real alpha = scalar[CLOTH_PCG_ALPHA];
+      residuals(
+          [=](int at, const cloth_pcg_vectors *v) { return cloth_pcg_update_row(at, v, alpha); });
+      turn(0);
+    }
+  }
+
+  // what others will read, and what the launches of a solve leave behind
+  __device__ void write_out()
+  {
+    if (there) {
+      cloth_v3_store(a.v.dx, k, cloth_v3_load(own()->dx, (int)threadIdx.x));
+      cloth_v3_store(a.v.z, k, cloth_v3_load(own()->z, (int)threadIdx.x));
+    }
+    if (blockIdx.x > 0) return;
+    const cloth_hats *h = &a.v.hats;
+    hats_room room = upper();
+    for (int i = (int)threadIdx.x; i < 3 * h->nodes; i += THREADS)
+      h->rest[i] = room.rest[i], h->correction[i] = room.correction[i];
+    for (int i = (int)threadIdx.x; i < cloth_hat_groups(h); i += THREADS)
+      a.hats.partial[CLOTH_PCG_PARTIALS * (cloth_hat_fine_groups(h) + i)] = upper_group(i);
+    if (threadIdx.x == 0)
+      for (int s = 0; s < CLOTH_PCG_SCALARS; s++) a.v.scalar[s] = scalar[s];
+  }
+};
+
+__global__ void __launch_bounds__(THREADS, 1)
+    solve_by_cluster(const __grid_constant__ cloth_pcg_solve_args a)
+{
+  extern __shared__ __align__(16) char memory[];
+  worker w(a, memory);
+  w.solve();
+  w.write_out();
+}
+
+// ---- starting it --------------------------------------------------------------------------------
+
+// A kernel of one cluster: what the launch needs.
+struct cluster_launch {
+  cudaLaunchConfig_t config;
+  cudaLaunchAttribute size;
+};
+
+void cluster_of(cluster_launch *l, int blocks, size_t shared, cudaStream_t stream)
+{
+  *l = {};
+  l->size.id = cudaLaunchAttributeClusterDimension;
+  l->size.val.clusterDim.x = (unsigned)blocks;
+  l->size.val.clusterDim.y = l->size.val.clusterDim.z = 1;
+  l->config.gridDim = dim3((unsigned)blocks), l->config.blockDim = dim3(THREADS);
+  l->config.dynamicSmemBytes = shared;
+  l->config.stream = stream, l->config.attrs = &l->size, l->config.numAttrs = 1;
+}
+
+// blocks of the largest cluster that the device runs with all the shared memory that it has
+cloth_status ask_device(cloth_device *d, cloth_error *err)
+{
+  int major = 0;
+  d->cluster_blocks = 1;
+  CUDA_TRY(err, cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, d->index));
+  if (major < 9) return CLOTH_OK;
+  CUDA_TRY(err, cudaFuncSetAttribute(solve_by_cluster,
+                                     cudaFuncAttributeNonPortableClusterSizeAllowed, 1));
+  CUDA_TRY(err, cudaFuncSetAttribute(solve_by_cluster, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                     (int)d->shared_bytes));
+  for (int blocks = BLOCKS; blocks > 1 && d->cluster_blocks == 1; blocks /= 2) {
+    cluster_launch l;
+    int clusters = 0;
+    cluster_of(&l, blocks, d->shared_bytes, d->stream[CLOTH_COMPUTE]);
+    if (cudaOccupancyMaxActiveClusters(&clusters, solve_by_cluster, &l.config) == cudaSuccess &&
+        clusters > 0)
+      d->cluster_blocks = blocks;
+  }
+  cudaGetLastError();
+  return CLOTH_OK;
+}
+
+// a thread for each row, shared memory for the hats, and sums that a warp adds up at once
+bool fits(const cloth_device *d, const cloth_pcg_solve_args *args)
+{
+  return d->cluster_blocks > 1 && args->v.count <= d->cluster_blocks * THREADS &&
+         args->beta.sums <= CLOTH_PCG_LANES && room_bytes(&args->v.hats) <= d->shared_bytes;
+}
+
+} // namespace
+
+cloth_status cloth_cuda_solve_small(cloth_device *d, const cloth_pcg_solve_args *args, bool *taken,
+                                    cloth_error *err)
+{
+  if (d->cluster_blocks == 0) CLOTH_TRY(ask_device(d, err));
+  *taken = fits(d, args);
+  if (!*taken) return CLOTH_OK;
+  cluster_launch l;
+  cluster_of(&l, d->cluster_blocks, room_bytes(&args->v.hats), d->stream[CLOTH_COMPUTE]);
+  CUDA_TRY(err, cudaLaunchKernelEx(&l.config, solve_by_cluster, *args));
+  return CLOTH_OK;
+}

@@ -1,5 +1,6 @@
-// The linear system of a sim as one dense matrix: the block rows and contacts of all parts written
-// out. The CPU backend's memory is plain memory, so it is read as it is.
+// The linear system of a sim as one dense matrix: the mesh's block rows, assembled as if there were
+// no contacts, and all contacts written out, wherever the solver keeps them. The CPU backend's
+// memory is plain memory, so it is read as it is.
 #pragma once
 
 #include "block_rows.h"
@@ -40,17 +41,30 @@ static inline void dense_contacts(const cloth_part *p, double *A, int dofs)
 
 /// A [dofs x dofs] and, where it is not NULL, the right-hand side b [dofs]. Returns the number of
 /// contacts.
-static inline int dense_system(const cloth_sim *sim, double *A, double *b)
+static inline int dense_system(cloth_sim *sim, double *A, double *b)
 {
-  int contacts = 0, dofs = 3 * sim->vertex_count;
+  int contacts = 0, dofs = 3 * sim->vertex_count, count[CLOTH_DEVICES_MAX];
+  double *kept = malloc(sizeof *kept * (size_t)dofs); // assembly writes b for where x is by now
+  cloth_error err = {0};
+  for (int n = 0; n < sim->part_count; n++) {
+    cloth_part *p = &sim->part[n];
+    contacts += count[n] = p->contact_count, p->contact_count = 0;
+    for (int i = 3 * p->v0; i < 3 * p->v1; i++) kept[i] = (double)p->b[i];
+  }
+  must(cloth_assemble(sim, &err), &err);
   memset(A, 0, sizeof *A * (size_t)dofs * (size_t)dofs);
   for (int n = 0; n < sim->part_count; n++) {
-    const cloth_part *p = &sim->part[n];
+    cloth_part *p = &sim->part[n];
+    p->contact_count = count[n];
     dense_rows(p, A, dofs);
     dense_contacts(p, A, dofs);
-    contacts += p->contact_count;
-    for (int i = 3 * p->v0; b && i < 3 * p->v1; i++) b[i] = (double)p->b[i];
   }
+  must(cloth_assemble(sim, &err), &err);
+  for (int n = 0; n < sim->part_count; n++)
+    for (int i = 3 * sim->part[n].v0; i < 3 * sim->part[n].v1; i++)
+      sim->part[n].b[i] = (cloth_real)kept[i];
+  if (b) memcpy(b, kept, sizeof *b * (size_t)dofs);
+  free(kept);
   return contacts;
 }
 

@@ -423,6 +423,8 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     return cloth_cuda_bend;
   case CLOTH_KERNEL_pair_share:
     return cloth_cuda_pair_share;
+  case CLOTH_KERNEL_pair_large:
+    return cloth_cuda_pair_large;
   default:
     return nullptr;
   }

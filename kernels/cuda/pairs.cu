@@ -1,5 +1,6 @@
-// The workload table by warps: 32 pair tests side by side; what meets is collected until a whole
-// warp has something to emit. The list is in another order than a loop's, as it may be.
+// Pairs of triangles. The workload table by warps: 32 pair tests side by side; what meets is
+// collected until a whole warp has something to emit. The list is in another order than a loop's,
+// as it may be.
 #include "launch.h"
 
 namespace {
@@ -59,7 +60,22 @@ __global__ void __launch_bounds__(WARP *WARPS)
   emit(&a.mesh, found, count, true);
 }
 
+// a thread for each triangle of a chunk
+__global__ void __launch_bounds__(CLOTH_CHUNK)
+    pair_large_kernel(const __grid_constant__ cloth_pair_large_args a)
+{
+  int i = (int)blockIdx.x, chunk = i % a.chunks, t = chunk * CLOTH_CHUNK + (int)threadIdx.x;
+  if (t < cloth_chunk_end(0, a.mesh.cloth_triangles, chunk)) cloth_pair_large_one(i, t, &a);
+}
+
 } // namespace
+
+cudaError_t cloth_cuda_pair_large(cloth_device *, int n, const void *args, cudaStream_t stream)
+{
+  pair_large_kernel<<<(unsigned)n, CLOTH_CHUNK, 0, stream>>>(
+      *static_cast<const cloth_pair_large_args *>(args));
+  return cudaGetLastError();
+}
 
 cudaError_t cloth_cuda_pair_share(cloth_device *, int n, const void *args, cudaStream_t stream)
 {

@@ -109,6 +109,17 @@ template <int Lanes> static __device__ __forceinline__ cloth_v3 cloth_lanes_v3(c
   return v;
 }
 
+/// Sum of three numbers over a warp, on all lanes: to add a to b is to add b to a.
+static __device__ __forceinline__ cloth_v3 cloth_warp_v3(cloth_v3 v)
+{
+  for (int width = CLOTH_WARP / 2; width > 0; width /= 2) {
+    v.x += __shfl_xor_sync(0xffffffffu, v.x, width);
+    v.y += __shfl_xor_sync(0xffffffffu, v.y, width);
+    v.z += __shfl_xor_sync(0xffffffffu, v.z, width);
+  }
+  return v;
+}
+
 /// Nodes [begin, begin + Group) from their sums, which are on the first of Lanes threads each, by a
 /// block of Lanes x Group threads. Their share of r'z on the first thread. shared [Group]. Every
 /// thread of the block must come here.

@@ -20,7 +20,8 @@ enum {
   // of a row in registers: a vertex of a regular mesh with hinges has 13
   KEPT_SLOTS = sizeof(cloth_real) == 4 ? 14 : 5,
   KEPT_CHILDREN = 8, // of a lane's share of a node of the first level
-  NODES_AT_ONCE = 4  // upper nodes of a warp
+  NODES_AT_ONCE = 4, // upper nodes of a warp
+  COPIED_AT_ONCE = 3 // by a thread
 };
 
 // ---- what a block keeps -------------------------------------------------------------------------
@@ -79,8 +80,26 @@ __device__ hats_room hats_room_at(char *memory, const cloth_hats *h)
 
 template <typename T> __device__ void copy_in(T *to, const T *from, int count)
 {
-#pragma unroll 4
   for (int k = (int)threadIdx.x; k < count; k += THREADS) to[k] = from[k];
+}
+
+// two arrays, with all loads of a round under way before the first is waited for
+__device__ void copy_in(cloth_real *to, const cloth_real *from, cloth_real *to_too,
+                        const cloth_real *from_too, int count)
+{
+  for (int first = (int)threadIdx.x; first < count; first += COPIED_AT_ONCE * THREADS) {
+    cloth_real v[COPIED_AT_ONCE], w[COPIED_AT_ONCE];
+#pragma unroll
+    for (int n = 0; n < COPIED_AT_ONCE; n++) {
+      int k = first + n * THREADS < count ? first + n * THREADS : first;
+      v[n] = from[k], w[n] = from_too[k];
+    }
+#pragma unroll
+    for (int n = 0; n < COPIED_AT_ONCE; n++) {
+      int k = first + n * THREADS;
+      if (k < count) to[k] = v[n], to_too[k] = w[n];
+    }
+  }
 }
 
 // One thread and its block. What can be worked out again is not kept: registers are for the row.
@@ -204,21 +223,25 @@ struct worker {
     cloth_hats levels = hats();
     const cloth_hats *h = &levels;
     cloth_real *share = upper().share;
-    copy_in(h->rest, a.v.hats.rest, 3 * h->fine);
-    copy_in(h->correction, a.v.hats.correction, 3 * h->fine);
+    copy_in(h->rest, a.v.hats.rest, h->correction, a.v.hats.correction, 3 * h->fine);
     __syncthreads();
     int warp = (int)threadIdx.x / CLOTH_WARP;
     for (int c = h->fine + warp; c < h->nodes; c += WARPS * NODES_AT_ONCE) {
-      cloth_v3 rest[NODES_AT_ONCE];
+      cloth_v3 rest[NODES_AT_ONCE], mine = cloth_v3_make(0, 0, 0);
+#pragma unroll
       for (int n = 0; n < NODES_AT_ONCE; n++) {
         rest[n] = cloth_v3_make(0, 0, 0);
         if (c + WARPS * n < h->nodes)
           rest[n] = cloth_hat_rest_lane(h, h->rest, c + WARPS * n, lane, CLOTH_HAT_LANES);
       }
-      for (int n = 0; n < NODES_AT_ONCE; n++) rest[n] = cloth_lanes_v3<CLOTH_HAT_LANES>(rest[n]);
-      for (int n = 0; n < NODES_AT_ONCE; n++)
-        if (lane == 0 && c + WARPS * n < h->nodes)
-          share[c + WARPS * n - h->fine] = cloth_hat_rest_set(h, c + WARPS * n, rest[n]);
+#pragma unroll
+      for (int n = 0; n < NODES_AT_ONCE; n++) {
+        rest[n] = cloth_warp_v3(rest[n]);
+        if (lane == n) mine = rest[n];
+      }
+      int node = c + WARPS * lane; // a lane for each
+      if (lane < NODES_AT_ONCE && node < h->nodes)
+        share[node - h->fine] = cloth_hat_rest_set(h, node, mine);
     }
     __syncthreads();
   }

@@ -31,10 +31,9 @@ typedef struct cloth_assemble_row_args {
   const cloth_real *bend_constant;                            // [n x 4] 1/m: bend_quadratic.h; NULL
   cloth_incidence shape;                                      // 6 corners: bend_shape.h
   const cloth_real *shape_force, *shape_gradient, *shape_weight; // [n x 18], [n x 36], [n x 6]
-  const uint32_t *contact_first; // [2 rows + 1] contact_row.h; NULL: no contacts
-  const uint32_t *contact_entry; // [entries] 4 contact + corner
-  int cloth_vertices;
-  const int *contact_vertex;         // [contacts x 4]
+  const uint32_t *contact_first;     // [2 rows + 1] contact_row.h; NULL: no contacts
+  const uint32_t *contact_entry;     // [entries] 4 contact + corner
+  const int *contact_slot;           // [entries x 4] contact_place.h
   const cloth_real *contact_weight;  // [contacts x 4]
   const cloth_real *contact_force;   // [contacts x 3] N
   const cloth_real *contact_tangent; // [contacts x 6] N/m
@@ -135,19 +134,45 @@ CLOTH_FN void cloth_add_drag(int i, const cloth_assemble_row_args *a, cloth_v3 *
   }
 }
 
-// contacts with bodies: their blocks couple vertices that the mesh couples too
+// a contact with a body as one of its rows sees it
+typedef struct cloth_row_contact {
+  int slot[4];
+  cloth_real own, weight[4];
+  cloth_v3 force;
+  cloth_sym3 tangent;
+} cloth_row_contact;
+
+CLOTH_FN cloth_row_contact cloth_row_contact_load(const cloth_assemble_row_args *a, uint32_t n)
+{
+  cloth_row_contact c;
+  int e = (int)a->contact_entry[n];
+  c.own = a->contact_weight[e];
+  for (int k = 0; k < 4; k++)
+    c.slot[k] = a->contact_slot[4 * n + (uint32_t)k],
+    c.weight[k] = a->contact_weight[e / 4 * 4 + k];
+  c.force = cloth_v3_load(a->contact_force, e / 4);
+  c.tangent = cloth_sym3_load(a->contact_tangent, e / 4);
+  return c;
+}
+
+enum { CLOTH_CONTACTS_AHEAD = 4 }; // loaded before the first of them is added
+
+// Contacts with bodies: their blocks couple vertices that the mesh couples too. At the pole of a
+// ball a row may have a hundred.
 CLOTH_FN void cloth_add_body_contacts(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
 {
-  for (uint32_t n = a->contact_first[2 * i]; n < a->contact_first[2 * i + 1]; n++) {
-    int e = (int)a->contact_entry[n], contact = e / 4;
-    cloth_real w = a->contact_weight[e];
-    cloth_sym3 t = cloth_sym3_load(a->contact_tangent, contact);
-    *f = cloth_v3_add_scaled(*f, w, cloth_v3_load(a->contact_force, contact));
-    for (int k = 0; k < 4; k++) {
-      int v = a->contact_vertex[4 * contact + k];
-      if (v < a->cloth_vertices)
-        cloth_block_add_sym(&a->rows, i, cloth_block_slot(&a->rows, i, v),
-                            cloth_sym3_scale(w * a->contact_weight[4 * contact + k], t));
+  uint32_t end = a->contact_first[2 * i + 1];
+  for (uint32_t n = a->contact_first[2 * i]; n < end; n += CLOTH_CONTACTS_AHEAD) {
+    cloth_row_contact contact[CLOTH_CONTACTS_AHEAD];
+    for (uint32_t k = 0; k < CLOTH_CONTACTS_AHEAD; k++)
+      contact[k] = cloth_row_contact_load(a, n + k < end ? n + k : n);
+    for (uint32_t k = 0; k < CLOTH_CONTACTS_AHEAD && n + k < end; k++) {
+      const cloth_row_contact *c = contact + k;
+      *f = cloth_v3_add_scaled(*f, c->own, c->force);
+      for (int b = 0; b < 4; b++)
+        if (c->slot[b] >= 0)
+          cloth_block_add_sym(&a->rows, i, c->slot[b],
+                              cloth_sym3_scale(c->own * c->weight[b], c->tangent));
     }
   }
 }

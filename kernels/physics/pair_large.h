@@ -10,12 +10,17 @@ typedef struct cloth_pair_large_args {
   const uint32_t *large; // [n / chunks] triangles
 } cloth_pair_large_args;
 
+// cloth triangle t of element i
+CLOTH_FN void cloth_pair_large_one(int i, int t, const cloth_pair_large_args *a)
+{
+  int large = (int)a->large[i / a->chunks];
+  cloth_box box = cloth_box_load(a->mesh.box, large);
+  if (cloth_box_near(cloth_box_load(a->mesh.box, t), box, a->mesh.gap))
+    cloth_pair_emit(&a->mesh, t, large);
+}
+
 CLOTH_FN void cloth_pair_large(int i, const cloth_pair_large_args *a)
 {
-  const cloth_pair_mesh *m = &a->mesh;
-  int large = (int)a->large[i / a->chunks], chunk = i % a->chunks;
-  int begin = chunk * CLOTH_CHUNK, end = cloth_chunk_end(0, m->cloth_triangles, chunk);
-  cloth_box box = cloth_box_load(m->box, large);
-  for (int t = begin; t < end; t++)
-    if (cloth_box_near(cloth_box_load(m->box, t), box, m->gap)) cloth_pair_emit(m, t, large);
+  int chunk = i % a->chunks, end = cloth_chunk_end(0, a->mesh.cloth_triangles, chunk);
+  for (int t = chunk * CLOTH_CHUNK; t < end; t++) cloth_pair_large_one(i, t, a);
 }

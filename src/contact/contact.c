@@ -79,6 +79,7 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
   CLOTH_TRY(cloth_grow(sim, p, "contact_pressure", real * n, &p->contact_pressure, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_q", 4 * 3 * real * n, &p->contact_q, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_place", 4 * 4 * n, &p->contact_place, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_slot", 4 * 4 * 4 * n, &p->contact_slot, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_row", 4 * 8 * n, &p->contact_row, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_row_spare", 4 * 8 * n, &p->contact_row_spare, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_entry", 4 * 4 * n, &p->contact_entry, err));
@@ -148,7 +149,14 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(sim->backend->sort(p->device, entries, bits_below(2 * rows + 1), p->contact_row,
                                p->contact_entry, p->contact_row_spare, p->contact_entry_spare,
                                err));
-  cloth_contact_place_args w = {p->contact_entry, p->contact_place};
+  cloth_contact_place_args w = {.row_count = rows,
+                                .cloth_vertices = sim->vertex_count,
+                                .rows = {p->row_first, p->row_col, p->row_val, p->row_widest},
+                                .vertex = p->contact_vertex,
+                                .row = p->contact_row,
+                                .entry = p->contact_entry,
+                                .place = p->contact_place,
+                                .slot = p->contact_slot};
   CLOTH_LAUNCH(sim, p, contact_place, entries, &w, err);
   cloth_contact_row_args r = {entries, p->contact_row, p->contact_first};
   return cloth_launch(sim, p, CLOTH_KERNEL_contact_row, 2 * rows + 1, &r, err);

@@ -38,6 +38,23 @@ cloth_status cloth_count_clear(cloth_sim *sim, cloth_part *part, int place, int 
                             err);
 }
 
+// A run of neighbouring vertices, or triangles, from body b (-1: the cloth) on: with all near
+// bodies behind it. Returns the body of the next run, or their number.
+static int run_of(const cloth_sim *sim, int b, bool triangles, int *first, int *count)
+{
+  int bodies = sim->def->body_count;
+  *first = 0, *count = triangles ? sim->triangle_count : sim->vertex_count;
+  if (b >= 0) *first = triangles ? sim->body[b].triangle_first : sim->body[b].vertex_first;
+  if (b >= 0) *count = triangles ? sim->body[b].triangle_count : sim->body[b].vertex_count;
+  for (b++; b < bodies; b++) {
+    const cloth_body *next = &sim->body[b];
+    if (!next->near) continue;
+    if ((triangles ? next->triangle_first : next->vertex_first) != *first + *count) break;
+    *count += triangles ? next->triangle_count : next->vertex_count;
+  }
+  return b;
+}
+
 // ---- is a search due? ---------------------------------------------------------------------------
 
 cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
@@ -46,11 +63,9 @@ cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err
   uint32_t count = 0;
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_ESCAPED, 1, err));
   cloth_vertex_escape_args a = {0, p->x_t0, p->x, p->vertex_box, p->counter + COUNT_ESCAPED};
-  CLOTH_LAUNCH(sim, p, vertex_escape, sim->vertex_count, &a, err);
-  for (int b = 0; b < sim->def->body_count; b++) {
-    if (!sim->body[b].near) continue;
-    a.first = sim->body[b].vertex_first;
-    CLOTH_LAUNCH(sim, p, vertex_escape, sim->body[b].vertex_count, &a, err);
+  for (int b = -1, vertices; b < sim->def->body_count;) {
+    b = run_of(sim, b, false, &a.first, &vertices);
+    CLOTH_LAUNCH(sim, p, vertex_escape, vertices, &a, err);
   }
   CLOTH_TRY(cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err));
   CLOTH_TRY(cloth_count_read(sim, p, COUNT_ESCAPED, &count, err));
@@ -71,12 +86,14 @@ static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, clot
                              p->vertex_box};
   cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, p->triangle_box};
   CLOTH_LAUNCH(sim, p, vertex_box, sim->vertex_count, &v, err);
-  CLOTH_LAUNCH(sim, p, triangle_box, sim->triangle_count, &t, err);
   for (int b = 0; b < sim->def->body_count; b++) {
     if (!sim->body[b].near) continue;
-    v.v = NULL, v.first = sim->body[b].vertex_first, t.first = sim->body[b].triangle_first;
+    v.v = NULL, v.first = sim->body[b].vertex_first;
     CLOTH_LAUNCH(sim, p, vertex_box, sim->body[b].vertex_count, &v, err);
-    CLOTH_LAUNCH(sim, p, triangle_box, sim->body[b].triangle_count, &t, err);
+  }
+  for (int b = -1, triangles; b < sim->def->body_count;) {
+    b = run_of(sim, b, true, &t.first, &triangles);
+    CLOTH_LAUNCH(sim, p, triangle_box, triangles, &t, err);
   }
   return CLOTH_OK;
 }

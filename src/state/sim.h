@@ -132,6 +132,7 @@ typedef struct cloth_part {
       *contact_mu, *contact_force, *contact_tangent, *contact_pressure, *contact_q;
   uint64_t *contact_row, *contact_row_spare;
   uint32_t *contact_entry, *contact_entry_spare, *contact_place, *contact_first;
+  int *contact_slot;
   uint32_t contact_capacity;
   int contact_count;
 

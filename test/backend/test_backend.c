@@ -117,6 +117,29 @@ static int shuffle_shows_a_missing_wait_and_spares_a_correct_program(void)
   return 0;
 }
 
+// on one queue, so no event is needed
+static int moves_come_behind_what_was_queued_before(void)
+{
+  for (unsigned seed = 1; seed <= 20; seed++) {
+    const cloth_backend *be = cloth_backend_shuffle(seed);
+    cloth_error err = {0};
+    cloth_device *d;
+    void *a, *b;
+    unsigned char got[16];
+    must(be->open(0, 1, &d, &err), &err);
+    must(be->alloc(d, 16, &a, &err), &err), must(be->alloc(d, 16, &b, &err), &err);
+    for (int pass = 1; pass <= 10; pass++) {
+      must(be->fill(d, a, pass, 16, &err), &err);
+      must(be->move(d, b, a, 16, &err), &err);
+      must(be->fill(d, a, 0, 16, &err), &err);
+      must(be->read(d, got, b, 16, &err), &err);
+      CHECK(got[0] == pass && got[15] == pass);
+    }
+    be->release(d, a), be->release(d, b), be->close(d);
+  }
+  return 0;
+}
+
 static int shuffled_memory_is_not_zero_by_luck(void)
 {
   const cloth_backend *be = cloth_backend_shuffle(1);
@@ -164,6 +187,7 @@ int main(int argc, char **argv)
   RUN(sort_is_stable_and_in_order);
   RUN(scan_is_the_sum_of_what_came_before);
   RUN(shuffle_shows_a_missing_wait_and_spares_a_correct_program);
+  RUN(moves_come_behind_what_was_queued_before);
   RUN(shuffled_memory_is_not_zero_by_luck);
   RUN(every_seed_gives_the_same_step);
   return failures > 0;

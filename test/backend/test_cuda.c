@@ -73,6 +73,31 @@ static int scan_gives_what_the_cpu_gives(void)
   return 0;
 }
 
+// few bytes come by a kernel, many by copies, and what is not words too
+static int reads_of_any_size_and_place_are_whole(void)
+{
+  enum { BYTES = 20000 };
+  static const size_t sizes[] = {1, 3, 4, 256, 8188, 8192, 8196, BYTES - 8},
+                      places[] = {0, 1, 4, 6};
+  static unsigned char sent[BYTES], got[BYTES];
+  uint32_t seed = 5;
+  cloth_error err = {0};
+  cloth_device *d;
+  must(cuda->open(0, 1, &d, &err), &err);
+  unsigned char *a = upload(d, NULL, BYTES), *b = upload(d, NULL, BYTES);
+  for (int run = 0; run < 8 * 4; run++) {
+    size_t size = sizes[run % 8], at = places[run / 8];
+    for (int i = 0; i < BYTES; i++) sent[i] = (unsigned char)roll(&seed);
+    memset(got, 0, BYTES);
+    must(cuda->write(d, a, sent, BYTES, &err), &err);
+    must(cuda->move(d, b, a, BYTES, &err), &err);
+    must(cuda->read(d, got, b + at, size, &err), &err);
+    CHECK(memcmp(got, sent + at, size) == 0 && got[size] == 0);
+  }
+  cuda->release(d, a), cuda->release(d, b), cuda->close(d);
+  return 0;
+}
+
 // two devices of one GPU pass a number to and fro; without the events the copies would overtake
 static int events_order_what_copies_carry(void)
 {
@@ -275,6 +300,7 @@ int main(int argc, char **argv)
   bool gpu = cuda != NULL && cuda->device_count() > 0;
   RUN_ON(gpu, sort_gives_what_the_cpu_gives);
   RUN_ON(gpu, scan_gives_what_the_cpu_gives);
+  RUN_ON(gpu, reads_of_any_size_and_place_are_whole);
   RUN_ON(gpu, events_order_what_copies_carry);
   RUN_ON(gpu, what_does_not_fit_is_refused_and_the_device_lives);
   RUN_ON(gpu, every_buffer_of_a_step_holds_the_bits_of_the_cpu);

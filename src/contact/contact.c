@@ -177,6 +177,8 @@ const uint32_t *cloth_contact_factored(const cloth_part *p) { return p->counter 
 // intersects: between bodies that leave no room it would be thrown from one to the other.
 #define STIFFER 10
 
+const uint32_t *cloth_contact_factored(const cloth_part *p) { return p->counter + COUNT_FACTORED; }
+
 // planes and rows of the pairs in the list, which is put in order
 static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {

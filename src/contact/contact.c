@@ -171,8 +171,6 @@ double cloth_contact_stiffness(const cloth_sim *sim)
   return sim->params.contact_stiffness * share * share;
 }
 
-const uint32_t *cloth_contact_factored(const cloth_part *p) { return p->counter + COUNT_FACTORED; }
-
 // What a contact becomes stiffer by each time that its pair passes in spite of it. Not where cloth
 // intersects: between bodies that leave no room it would be thrown from one to the other.
 #define STIFFER 10

@@ -100,11 +100,6 @@ cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err
   return escaped_any(sim, VERTICES | SQUARES, escaped, err);
 }
 
-cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
-{
-  return escaped_any(sim, VERTICES | SQUARES, escaped, err);
-}
-
 // ---- regions ------------------------------------------------------------------------------------
 
 // of all vertices, and of the triangles of bodies; those of cloth come when ghosts are known

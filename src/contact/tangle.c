@@ -23,6 +23,11 @@ void cloth_body_settle(cloth_sim *sim)
   sim->tangles.settling = true;
 }
 
+bool cloth_tangles_forced(const cloth_sim *sim)
+{
+  return sim->tangles.settling && sim->tangles.held;
+}
+
 bool cloth_untangles(const cloth_sim *sim, int bodies)
 {
   return sim->params.untangle || (bodies && sim->tangles.settling);
@@ -117,6 +122,7 @@ cloth_status cloth_tangles_update(cloth_sim *sim, double share, cloth_error *err
   t->pull_count = 0;
   CLOTH_TRY(cloth_tangles_find(sim, share, err));
   t->found = true;
+  CLOTH_TRY(cloth_blocking_look(sim, false, err));
   if (t->count == 0) {
     t->known_free = true, t->settling = false;
     return CLOTH_OK;

@@ -25,6 +25,8 @@ bool cloth_may_cut(const cloth_sim *sim, const cloth_cutting *c, cloth_outcome r
   static const int most[] = {[OUTCOME_ROUGH] = ROUGH_HALVINGS,
                              [OUTCOME_CROWDED] = CROWDED_HALVINGS,
                              [OUTCOME_UNSTABLE] = INT_MAX};
+  // holds that have driven cloth through something are not cured by smaller steps either
+  if (result != OUTCOME_UNSTABLE && cloth_tangles_forced(sim)) return false;
   return c->depth + c->halvings < most[result] && c->halvings < sim->params.step_halvings_max;
 }
 

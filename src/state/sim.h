@@ -109,7 +109,7 @@ typedef struct cloth_part {
   uint32_t *cell_mark; // [2^cell_mark_bits / 32] cell_mark.h; NULL with one part
   int cell_mark_bits;
   uint64_t *pair;
-  uint32_t *counter; // [8] small counts that the host reads
+  uint32_t *counter; // [10] small counts that the host reads
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
 

@@ -12,7 +12,8 @@ enum { COUNT_TANGLES = 5 }; // place in part->counter
 void cloth_tangles_free(cloth_tangle_list *t)
 {
   free(t->list), free(t->read_key), free(t->read_how), free(t->pull), free(t->mark);
-  free(t->group), free(t->depth), free(t->size), free(t->inside), free(t->body), free(t->cut);
+  free(t->group), free(t->depth), free(t->size), free(t->inside), free(t->body), free(t->exit),
+      free(t->cut);
 }
 
 void cloth_tangles_suspect(cloth_sim *sim) { sim->tangles.known_free = sim->tangles.found = false; }

@@ -35,6 +35,7 @@ typedef struct cloth_tangle_list {
   int *size;      // [vertices], likewise
   int *inside;    // [vertices], likewise
   int *body;      // [vertices], likewise
+  int *exit;      // [vertices], likewise: 1: leaves its body as exit.c says
   int *cut;       // [edges] 1 + body, or -1 for cloth, of what pierces it; 0: nothing
 } cloth_tangle_list;
 

@@ -48,7 +48,7 @@ bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *
   bool cures = sim->impacts_left <= c->left / 2 || !many;
   c->left = sim->impacts_left;
   int most = sim->helpless && many ? 1 : IMPACT_HALVINGS;
-  return sim->tangles.known_free && cures && c->for_impacts++ < most &&
+  return !sim->tangles.settling && cures && c->for_impacts++ < most &&
          c->halvings < sim->params.step_halvings_max;
 }
 

@@ -94,6 +94,30 @@ for _untangle in (False, True):
         tangled='worked out' if _untangle else 'kept',
         no_room=True,
         quick=_untangle)
+def crossing(first, bodies=()):
+    """A sheet, and another that crosses it at the start."""
+    return scene([first, sheet(0.2, 10, (0.007, 0.003, 0.25), (0.2, 0.1, 1.3), name='other', velocity=first.get('velocity', [0, 0, 0]))],
+                 list(bodies) + [floor()])
+
+
+def to_and_fro(amplitude, period):
+    return {'motion': {'oscillation': {'amplitude': amplitude, 'period': period}}}
+
+
+add('kept_in_hard_motion',
+    'cloth that intersects at the start is swung at 2.5 m/s, thrown at 10 m/s, hit, shaken by the box in it',
+    'no more pairs intersect than at the start',
+    moves(2 * TOWEL_MASS, 20, 'all of it at twice the fastest of these'), [
+        Case('swung', crossing(hung(at=(0, 0, 0.35), pins=[to_and_fro([0, 0.1, 0], 0.25)])), 1),
+        Case('hit', crossing(hung(at=(0, 0, 0.35)), [ball(0.05, (0, -0.3, 0.3), motion={'velocity': [0, 3, 0]})]), 1),
+        Case('thrown', crossing(sheet(0.3, 12, (0, 0, 0.25), (0, 0.9, 0), velocity=[0, 0, -10])), 1),
+        Case('shaken',
+             scene([hung(at=(0, 0, 0.35))],
+                   [box('link', (0.06, 0.06, 0.06), (0.01, 0.01, 0.3), **to_and_fro([0.05, 0.1, 0.02], 0.2)),
+                    floor()]), 1)
+    ],
+    tangled='kept',
+    no_room=True)
 add('cube_spawned_askew_untangled',
     'at the start a cube that stands on a corner is in a hanging cloth',
     'nothing intersects at the end',

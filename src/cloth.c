@@ -495,6 +495,12 @@ cloth_status cloth_blocking_bodies(cloth_scene *s, int *out, int capacity, int *
   return CALL(s, blocking_bodies, out, capacity, count, err);
 }
 
+cloth_status cloth_blocking_holds(cloth_scene *s, cloth_hold_view *out, int capacity, int *count,
+                                  cloth_error *err)
+{
+  return CALL(s, blocking_holds, out, capacity, count, err);
+}
+
 // ---- recorder -----------------------------------------------------------------------------------
 
 cloth_status cloth_record_start(cloth_scene *s, const char *path, cloth_error *err)

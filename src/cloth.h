@@ -345,10 +345,23 @@ cloth_status cloth_tangles(cloth_scene *scene, cloth_tangle_view *out, int capac
                            cloth_error *err);
 
 /// The bodies that left the cloth no room in the last step (report: bodies_blocking), ascending: pairs
-/// still passed through at its end, and these bodies took part. Writes at most `capacity`; *count is
-/// how many there are.
+/// still passed through at its end, and these bodies took part, or a triangle with a held corner
+/// intersects them. Writes at most `capacity`; *count is how many there are.
 cloth_status cloth_blocking_bodies(cloth_scene *scene, int *out, int capacity, int *count,
                                    cloth_error *err);
+
+/// A hold: a pin of the scene, or a grasp.
+typedef struct cloth_hold_view {
+  int cloth;
+  const char *group;    // of the pinned vertices, lives as long as the scene; NULL: a grasp
+  cloth_grasp_id grasp; // zero: a pin
+} cloth_hold_view;
+
+/// The rigid holds that left the cloth no room in the last step (report: holds_blocking): as
+/// cloth_blocking_bodies(), of the holds that drove vertices through bodies or through other cloth, or keep
+/// them there. Of the holds there are now: ask before the next one is taken or let go.
+cloth_status cloth_blocking_holds(cloth_scene *scene, cloth_hold_view *out, int capacity, int *count,
+                                  cloth_error *err);
 
 // ---- recorder -----------------------------------------------------------------------------------
 

@@ -177,6 +177,7 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
 {
   int left = 0;
   sim->crowd = 0, sim->helpless = false;
+  sim->zones.driven_count = 0;
   *result = OUTCOME_GOOD;
   bool touch = sim->active[CLOTH_EFFECT_self_contact], met = false;
   CLOTH_TRY(cloth_bdf2_begin(sim, err)); // state/bdf2.c       of order 2, or backward Euler
@@ -201,8 +202,8 @@ static cloth_status cloth_advance(cloth_sim *sim, double from, double to, const 
     return CLOTH_OK;
   }
 
-  // where bodies leave no room, iterating further is work for nothing
-  int further = c->for_impacts > 0 ? 0 : FURTHER_ITERATIONS;
+  // where bodies or holds leave no room, iterating further is work for nothing
+  int further = c->for_impacts > 0 || cloth_tangles_forced(sim) ? 0 : FURTHER_ITERATIONS;
   CLOTH_TRY(solve(sim, 0, sim->params.newton_iterations_max, further, err));
   if (ran_away(sim)) {
     *result = OUTCOME_UNSTABLE;
@@ -265,19 +266,19 @@ static void place_teleports(cloth_sim *sim)
   }
 }
 
-static cloth_status stand(cloth_sim *sim, cloth_outcome result, cloth_error *err)
+static cloth_status stand(cloth_sim *sim, cloth_error *err)
 {
   cloth_step_report *report = sim->report;
+  int left = sim->impacts_left + sim->zones.driven_count;
   cloth_mean_motion(sim);
   CLOTH_TRY(accept(sim, err));
   sim->tangles.found = false;
-  if (result == OUTCOME_IMPACTS) {
+  if (left > 0) {
     CLOTH_TRY(cloth_blocking_add(sim, err));
-    cloth_tangles_suspect(sim);
+    cloth_body_settle(sim); // worked out when there is room again
   }
   report->substeps++;
-  report->impacts_left += sim->impacts_left;
-  if (sim->impacts_left > 0) sim->tangles.settling = true; // worked out when there is room again
+  report->impacts_left += left;
   report->newton_correction = fmax(report->newton_correction, sim->correction);
   report->error_estimate = fmax(report->error_estimate, sim->error_estimate);
   cloth_control_add(sim, sim->error_mean);
@@ -317,7 +318,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
       sim->pairs_valid = false;
       continue;
     }
-    CLOTH_TRY(stand(sim, *result, err));
+    CLOTH_TRY(stand(sim, err));
     done = to;
   }
   cloth_cutting_end(sim, &c);
@@ -454,8 +455,10 @@ static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cl
   }
   CLOTH_TRY(arrive(sim, err));
   CLOTH_TRY(cloth_tangles_update(sim, 0, err));
+  CLOTH_TRY(cloth_blocking_look(sim, true, err));
   report->tangles = sim->tangles.count;
   report->bodies_blocking = sim->blocking.count;
+  report->holds_blocking = sim->blocking.hold_count;
   CLOTH_TRY(cloth_stretch_measure(sim, err));
   sim->time += h;
   report->step = ++sim->step;
@@ -469,15 +472,6 @@ static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cl
   report->wall_ms = cloth_now_ms() - start;
   // clocks differ between processes; a budget decides by the time
   return sim->transport->share(sim->transport, 0, report, sizeof *report, err);
-}
-
-cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, cloth_error *err)
-{
-  cloth_sim *sim = data;
-  cloth_range_begin(sim, "step");
-  cloth_status status = step(sim, h, report, err);
-  cloth_range_end(sim, 0); // a stage that failed left its own open
-  return status;
 }
 
 cloth_status cloth_sim_step(void *data, double h, cloth_step_report *report, cloth_error *err)

@@ -68,7 +68,8 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
   // the solve may end anywhere between its first guess and free flight
   ahead = g.distance + cloth_v3_dot(g.normal, cloth_contact_flight(s, &g));
   nearest = ahead < nearest ? ahead : nearest;
-  if (!(nearest < s->thickness) || cloth_contact_ignored(s, &g)) return;
+  if (!(nearest < s->thickness) || cloth_contact_driven(s, &g)) return;
+  if (cloth_contact_grasped(s, &g)) return;
   if (!(nearest < cloth_contact_thickness(s, &g))) return;
   if (g.type == CLOTH_VERTEX_FACE && cloth_contact_told_across(s, &g, pair.b)) return;
   uint64_t key = a->pair[i];

@@ -160,20 +160,27 @@ CLOTH_FN int cloth_contact_body(const cloth_contact_scene *s, const cloth_contac
   return -1;
 }
 
-/// Is the pair switched off: nothing in it can move, or a gripper meets what it holds? (Keeping the
-/// triangles that are held at one corner off the fingers was tried: without impact zones they are
-/// torn between the hold and the finger.)
-CLOTH_FN int cloth_contact_ignored(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+/// Is the pair switched off: does a gripper meet what it holds? (Keeping the triangles that are
+/// held at one corner off the fingers was tried: without impact zones they are torn between the
+/// hold and the finger.)
+CLOTH_FN int cloth_contact_grasped(const cloth_contact_scene *s, const cloth_contact_geometry *g)
 {
-  int body = cloth_contact_body(s, g), movable = 0;
-  for (int k = 0; k < 4; k++) {
+  int body = cloth_contact_body(s, g);
+  for (int k = 0; k < 4 && body >= 0; k++) {
     int v = g->vertex[k];
     if (v >= s->cloth_vertices) continue;
-    if (s->free[v] > 0) movable = 1;
-    if (body >= 0 && s->grasp_of[v] > 0 && s->ignore[(s->grasp_of[v] - 1) * s->bodies + body])
-      return 1;
+    if (s->grasp_of[v] > 0 && s->ignore[(s->grasp_of[v] - 1) * s->bodies + body]) return 1;
   }
-  return !movable;
+  return 0;
+}
+
+/// Does nothing in the pair give way? All of it are bodies and held vertices, which go where they
+/// are told.
+CLOTH_FN int cloth_contact_driven(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  for (int k = 0; k < 4; k++)
+    if (g->vertex[k] < s->cloth_vertices && s->free[g->vertex[k]] > 0) return 0;
+  return 1;
 }
 
 #define CLOTH_TOUCH_SHARE (cloth_real)5e-5 // of the thickness

@@ -18,7 +18,7 @@ CLOTH_FN void cloth_impact_limit(int i, const cloth_impact_limit_args *a)
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
   cloth_real toi;
-  if (!cloth_impact(s, a->pair[i], a->gap, 0, &g, &toi)) return;
+  if (cloth_impact(s, a->pair[i], a->gap, 0, &g, &toi) != CLOTH_IMPACT) return;
   cloth_real share = a->stop || !(toi > (cloth_real)0.05) ? 0 : toi * (cloth_real)0.8;
   uint32_t allowed = (uint32_t)(share * (cloth_real)CLOTH_WHOLE);
   for (int k = 0; k < 4; k++)

@@ -32,6 +32,12 @@ static int compare(const void *a, const void *b)
   return p->key < q->key ? -1 : p->key > q->key;
 }
 
+static int compare_keys(const void *a, const void *b)
+{
+  uint64_t p = *(const uint64_t *)a, q = *(const uint64_t *)b;
+  return p < q ? -1 : p > q;
+}
+
 // room on the host for n found pairs
 static cloth_status grow_found(cloth_zones *z, int n, cloth_error *err)
 {
@@ -51,7 +57,7 @@ static cloth_status grow_found(cloth_zones *z, int n, cloth_error *err)
 static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, cloth_error *err)
 {
   cloth_zone_part *z = &p->zone;
-  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 1, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 2, err));
   cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                               .gap = (cloth_real)cloth_impact_gap(sim),
                               .moved = moved ? z->moved : NULL,
@@ -59,52 +65,102 @@ static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, clot
                               .key = z->found_key,
                               .toi = z->found_toi,
                               .capacity = z->found_capacity,
+                              .driven = z->driven,
+                              .driven_capacity = z->driven_capacity,
                               .count = p->counter + COUNT_IMPACTS};
   return cloth_launch(sim, p, CLOTH_KERNEL_impact_find, p->pair_count, &a, err);
 }
 
-// how many there are, and again with more room where it was too small
-static cloth_status count_found(cloth_sim *sim, cloth_part *p, bool moved, uint32_t *count,
-                                cloth_error *err)
+static cloth_status grow_found_on_part(cloth_sim *sim, cloth_part *p, const uint32_t count[2],
+                                       cloth_error *err)
 {
   cloth_zone_part *z = &p->zone;
+  if (count[0] > z->found_capacity) {
+    CLOTH_TRY(cloth_grow(sim, p, "impact_key", 8 * (size_t)count[0], &z->found_key, err));
+    CLOTH_TRY(cloth_grow(sim, p, "impact_toi", 4 * (size_t)count[0], &z->found_toi, err));
+    z->found_capacity = count[0] + count[0] / 2;
+  }
+  if (count[1] > z->driven_capacity) {
+    CLOTH_TRY(cloth_grow(sim, p, "impact_driven", 8 * (size_t)count[1], &z->driven, err));
+    z->driven_capacity = count[1] + count[1] / 2;
+  }
+  return CLOTH_OK;
+}
+
+// how many impacts and driven pairs there are, and again with more room where it was too small
+static cloth_status count_found(cloth_sim *sim, cloth_part *p, bool moved, uint32_t count[2],
+                                cloth_error *err)
+{
+  const cloth_zone_part *z = &p->zone;
   for (;;) {
-    CLOTH_TRY(cloth_count_read(sim, p, COUNT_IMPACTS, count, err));
-    if (*count <= z->found_capacity) return CLOTH_OK;
-    size_t n = *count;
-    CLOTH_TRY(cloth_grow(sim, p, "impact_key", 8 * n, &z->found_key, err));
-    CLOTH_TRY(cloth_grow(sim, p, "impact_toi", 4 * n, &z->found_toi, err));
-    z->found_capacity = *count + *count / 2;
+    CLOTH_TRY(
+        sim->backend->read(p->device, count, p->counter + COUNT_IMPACTS, 2 * sizeof count[0], err));
+    if (count[0] <= z->found_capacity && count[1] <= z->driven_capacity) return CLOTH_OK;
+    CLOTH_TRY(grow_found_on_part(sim, p, count, err));
     CLOTH_TRY(find_on_part(sim, p, moved, err));
   }
+}
+
+static cloth_status read_found(cloth_sim *sim, cloth_part *p, size_t count, cloth_error *err)
+{
+  cloth_zones *z = &sim->zones;
+  const cloth_backend *be = sim->backend;
+  p->zone.found_count = (int)count;
+  if (count == 0) return CLOTH_OK;
+  CLOTH_TRY(grow_found(z, z->found_count + (int)count, err));
+  CLOTH_TRY(be->read(p->device, z->read_key, p->zone.found_key, 8 * count, err));
+  CLOTH_TRY(be->read(p->device, z->read_toi, p->zone.found_toi, 4 * count, err));
+  for (size_t k = 0; k < count; k++)
+    z->found[z->found_count++] = (cloth_impact_pair){z->read_key[k], z->read_toi[k]};
+  return CLOTH_OK;
+}
+
+static cloth_status read_driven(cloth_sim *sim, cloth_part *p, size_t count, cloth_error *err)
+{
+  cloth_zones *z = &sim->zones;
+  size_t n = (size_t)z->driven_count + count;
+  if (count == 0) return CLOTH_OK;
+  if (n > (size_t)z->driven_capacity) {
+    uint64_t *driven = realloc(z->driven, sizeof *driven * 2 * n);
+    if (driven == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%zu driven pairs", n);
+    z->driven = driven, z->driven_capacity = (int)(2 * n);
+  }
+  CLOTH_TRY(
+      sim->backend->read(p->device, z->driven + z->driven_count, p->zone.driven, 8 * count, err));
+  z->driven_count = (int)n;
+  return CLOTH_OK;
+}
+
+// a pair on a border is found by each of its parts, with the same time
+static void sort_found(cloth_zones *z)
+{
+  int unique = 0;
+  if (z->found_count > 0) qsort(z->found, (size_t)z->found_count, sizeof *z->found, compare);
+  for (int k = 0; k < z->found_count; k++)
+    if (k == 0 || z->found[k].key != z->found[k - 1].key) z->found[unique++] = z->found[k];
+  z->found_count = unique, unique = 0;
+  if (z->driven_count > 0)
+    qsort(z->driven, (size_t)z->driven_count, sizeof *z->driven, compare_keys);
+  for (int k = 0; k < z->driven_count; k++)
+    if (k == 0 || z->driven[k] != z->driven[k - 1]) z->driven[unique++] = z->driven[k];
+  z->driven_count = unique;
 }
 
 cloth_status cloth_impacts_find(cloth_sim *sim, bool moved, cloth_error *err)
 {
   cloth_zones *z = &sim->zones;
   z->found_count = 0;
+  if (!moved) z->driven_count = 0; // zones move nothing that is driven
   // all look before the host asks the first how many it found
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(find_on_part(sim, &sim->part[i], moved, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    uint32_t count;
-    CLOTH_TRY(count_found(sim, p, moved, &count, err));
-    p->zone.found_count = (int)count;
-    if (count == 0) continue;
-    CLOTH_TRY(grow_found(z, z->found_count + (int)count, err));
-    CLOTH_TRY(
-        sim->backend->read(p->device, z->read_key, p->zone.found_key, 8 * (size_t)count, err));
-    CLOTH_TRY(
-        sim->backend->read(p->device, z->read_toi, p->zone.found_toi, 4 * (size_t)count, err));
-    for (uint32_t k = 0; k < count; k++)
-      z->found[z->found_count++] = (cloth_impact_pair){z->read_key[k], z->read_toi[k]};
+    uint32_t count[2];
+    CLOTH_TRY(count_found(sim, p, moved, count, err));
+    CLOTH_TRY(read_found(sim, p, count[0], err));
+    CLOTH_TRY(read_driven(sim, p, count[1], err));
   }
-  if (z->found_count == 0) return CLOTH_OK;
-  qsort(z->found, (size_t)z->found_count, sizeof *z->found, compare);
-  int unique = 0; // a pair on a border is found by each of its parts, with the same time
-  for (int k = 0; k < z->found_count; k++)
-    if (k == 0 || z->found[k].key != z->found[k - 1].key) z->found[unique++] = z->found[k];
-  z->found_count = unique;
+  sort_found(z);
   return CLOTH_OK;
 }
 

@@ -1,7 +1,8 @@
 // The last answer to impacts: what would pass through goes only part of its way, and so on until
 // nothing does. It ends because in the last passes whatever is still involved stays where it was.
 // A body or a held vertex that runs into cloth held back cannot be cleared this way: then the
-// substep is repeated at half its length (step.c), and what is left is reported.
+// substep is repeated at half its length (step.c), and what is left is reported. Pairs in which
+// nothing gives way at all are in zones.driven and no matter of the failsafe.
 #include "ccd/impacts.h"
 #include "contact/contact.h"
 #include "contact/pairs.h"
@@ -18,15 +19,15 @@ static cloth_status limit(cloth_sim *sim, bool stop, int *seen, cloth_error *err
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count;
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 1, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LIMITED, 1, err));
     cloth_impact_limit_args a = {.scene = cloth_contact_scene_of(sim, p),
                                  .stop = stop,
                                  .gap = (cloth_real)cloth_impact_gap(sim),
                                  .pair = p->pair,
                                  .allowed = p->allowed,
-                                 .count = p->counter + COUNT_IMPACTS};
+                                 .count = p->counter + COUNT_LIMITED};
     CLOTH_LAUNCH(sim, p, impact_limit, p->pair_count, &a, err);
-    CLOTH_TRY(cloth_count_read(sim, p, COUNT_IMPACTS, &count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, COUNT_LIMITED, &count, err));
     *seen += (int)count;
   }
   return CLOTH_OK;

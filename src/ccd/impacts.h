@@ -4,7 +4,7 @@
 
 #include "state/sim.h"
 
-enum { COUNT_IMPACTS = 4 }; // place in part->counter
+enum { COUNT_LIMITED = 4, COUNT_IMPACTS = 8 }; // places in part->counter; the last has two
 
 /// Distance that counts as an impact [m].
 double cloth_impact_gap(const cloth_sim *sim);

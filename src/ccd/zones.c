@@ -54,7 +54,7 @@ static cloth_status reserve(cloth_sim *sim, int n, cloth_error *err)
 
 void cloth_zones_free(cloth_zones *z)
 {
-  free(z->found), free(z->read_key), free(z->read_toi);
+  free(z->found), free(z->read_key), free(z->read_toi), free(z->driven);
   free(z->key), free(z->toi), free(z->vertex), free(z->parent), free(z->member), free(z->local);
   free(z->zone_rank), free(z->first), free(z->moving_first), free(z->moving), free(z->deal);
   free(z->by_key), free(z->spare), free(z->fresh), free(z->owner), free(z->fixed);

@@ -25,6 +25,10 @@ typedef struct cloth_zones {
   uint64_t *read_key;       // [found_capacity] staging
   uint32_t *read_toi;
 
+  int driven_count, driven_capacity;
+  uint64_t
+      *driven; // pairs that pass through in this substep and in which nothing gives way, sorted
+
   int count, capacity;
   uint64_t *key;         // [count]
   uint32_t *toi;         // [count]
@@ -54,6 +58,8 @@ typedef struct cloth_zone_part {
   uint32_t *found_toi;
   uint32_t found_capacity;
   int found_count; // of the last detection
+  uint64_t *driven;
+  uint32_t driven_capacity;
   uint64_t *key;
   uint32_t *toi;
   int *vertex, *fresh, *member, *local, *first, *moving_first, *moving, *deal;

@@ -20,8 +20,8 @@ static cloth_status take_scratch(cloth_sim *sim, cloth_error *err)
   cloth_tangle_list *t = &sim->tangles;
   size_t n = (size_t)sim->vertex_count + 1;
   if (t->cut != NULL) return CLOTH_OK;
-  int **list[] = {&t->mark, &t->group, &t->depth, &t->size, &t->inside, &t->body};
-  for (int i = 0; i < 6; i++) {
+  int **list[] = {&t->mark, &t->group, &t->depth, &t->size, &t->inside, &t->body, &t->exit};
+  for (int i = 0; i < 7; i++) {
     free(*list[i]); // of an attempt that failed
     *list[i] = malloc(sizeof(int) * n);
     if (*list[i] == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "%zu vertices", n);
@@ -85,6 +85,8 @@ static int root(int *group, int v)
   return v;
 }
 
+int cloth_group_of(const cloth_sim *sim, int vertex) { return root(sim->tangles.group, vertex); }
+
 // join what is joined by edges that nothing pierces (bodies: 1 by bodies, 0 by cloth)
 static void join_groups(cloth_sim *sim, bool bodies)
 {
@@ -101,7 +103,7 @@ static void join_groups(cloth_sim *sim, bool bodies)
           t->cut[sim->triangle_edge[3 * r[k].triangle + e]] = bodies ? 1 + r[k].body : -1;
   }
   for (int v = 0; v < sim->vertex_count; v++)
-    t->group[v] = v, t->depth[v] = INT_MAX, t->body[v] = 0;
+    t->group[v] = v, t->depth[v] = INT_MAX, t->body[v] = t->exit[v] = 0;
   for (int e = 0; e < sim->edge_count; e++) {
     if (t->cut[e]) continue;
     int a = root(t->group, sim->edge[2 * e]), b = root(t->group, sim->edge[2 * e + 1]);
@@ -234,15 +236,22 @@ static cloth_status pull_flat(cloth_sim *sim, const cloth_role r[2], uint32_t ho
   return CLOTH_OK;
 }
 
-// vertices beyond the cut of the role's triangle; 0: its depths do not tell
-static int beyond(const cloth_sim *sim, const cloth_role *r)
+// the group beyond the cut of the role's triangle; -1: its depths do not tell
+static int group_beyond(const cloth_sim *sim, const cloth_role *r)
 {
   const int *v = sim->triangle + 3 * r->triangle, *depth = sim->tangles.depth;
   int deep = 0;
   for (int k = 1; k < 3; k++)
     if (depth[v[k]] > depth[v[deep]]) deep = k;
   bool tells = depth[v[0]] != depth[v[1]] || depth[v[0]] != depth[v[2]];
-  return tells ? sim->tangles.size[root(sim->tangles.group, v[deep])] : 0;
+  return tells ? cloth_group_of(sim, v[deep]) : -1;
+}
+
+// how many vertices that group has; 0: there is none
+static int beyond(const cloth_sim *sim, const cloth_role *r)
+{
+  int group = group_beyond(sim, r);
+  return group < 0 ? 0 : sim->tangles.size[group];
 }
 
 // cloth with cloth: of two pieces that strayed the smaller one goes back
@@ -266,8 +275,9 @@ static cloth_status pull_body(cloth_sim *sim, const cloth_tangle *tangle, bool l
 {
   cloth_role r[2];
   cloth_roles_of(sim, tangle, r);
-  if (beyond(sim, r) == 0) return pull_out(sim, r, let, err);
-  return let ? pull_back(sim, r, err) : CLOTH_OK;
+  int group = group_beyond(sim, r);
+  if (group < 0) return pull_out(sim, r, let, err);
+  return let && !sim->tangles.exit[group] ? pull_back(sim, r, err) : CLOTH_OK;
 }
 
 static cloth_status pull_all(cloth_sim *sim, bool bodies, unsigned char *untold, cloth_error *err)
@@ -275,6 +285,7 @@ static cloth_status pull_all(cloth_sim *sim, bool bodies, unsigned char *untold,
   const cloth_tangle_list *t = &sim->tangles;
   bool let = cloth_untangles(sim, bodies);
   memset(untold, 0, (size_t)t->count);
+  if (bodies && let) CLOTH_TRY(cloth_exits_pull(sim, err));
   for (int i = 0; i < t->count; i++) {
     bool body = cloth_pair_unpack(sim->format, t->list[i].key).b >= sim->triangle_count;
     if (body != bodies) continue;

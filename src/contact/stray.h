@@ -19,6 +19,12 @@ int cloth_roles_of(const cloth_sim *sim, const cloth_tangle *tangle, cloth_role 
 /// A vertex is to go through a face to its front or back: CLOTH_PULL_FRONT, CLOTH_PULL_BACK.
 cloth_status cloth_pull_add(cloth_sim *sim, int type, int vertex, int face, cloth_error *err);
 
+/// The first vertex of the group that a vertex is in.
+int cloth_group_of(const cloth_sim *sim, int vertex);
+
+/// Pulls of the groups beyond a cut of a convex body; tangles.exit tells which these are.
+cloth_status cloth_exits_pull(cloth_sim *sim, cloth_error *err);
+
 /// Marks and pulls of the pairs of cloth with cloth that no cut tells. untold: [tangles]; the cuts
 /// are those of cloth; let: pull.
 cloth_status cloth_contours_pull(cloth_sim *sim, const unsigned char *untold, bool let,

@@ -12,7 +12,8 @@ enum { COUNT_TANGLES = 5 }; // place in part->counter
 void cloth_tangles_free(cloth_tangle_list *t)
 {
   free(t->list), free(t->read_key), free(t->read_how), free(t->pull), free(t->mark);
-  free(t->group), free(t->depth), free(t->size), free(t->inside), free(t->body), free(t->cut);
+  free(t->group), free(t->depth), free(t->size), free(t->inside), free(t->body), free(t->exit),
+      free(t->cut);
 }
 
 void cloth_tangles_suspect(cloth_sim *sim) { sim->tangles.known_free = sim->tangles.found = false; }
@@ -21,6 +22,11 @@ void cloth_body_settle(cloth_sim *sim)
 {
   cloth_tangles_suspect(sim);
   sim->tangles.settling = true;
+}
+
+bool cloth_tangles_forced(const cloth_sim *sim)
+{
+  return sim->tangles.settling && sim->tangles.held;
 }
 
 bool cloth_untangles(const cloth_sim *sim, int bodies)
@@ -117,6 +123,7 @@ cloth_status cloth_tangles_update(cloth_sim *sim, double share, cloth_error *err
   t->pull_count = 0;
   CLOTH_TRY(cloth_tangles_find(sim, share, err));
   t->found = true;
+  CLOTH_TRY(cloth_blocking_look(sim, false, err));
   if (t->count == 0) {
     t->known_free = true, t->settling = false;
     return CLOTH_OK;

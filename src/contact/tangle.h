@@ -21,6 +21,7 @@ typedef struct cloth_tangle_list {
   bool known_free; // nothing intersects; belongs to the state, as does:
   bool settling;   // a body was placed: what it intersects is worked out, whatever `untangle` says
   bool found;      // what follows is of the present state
+  bool held;       // some of the triangles have a held corner
   int count, capacity;
   cloth_tangle *list; // [count] sorted by key
   uint64_t *read_key; // [capacity] staging
@@ -34,6 +35,7 @@ typedef struct cloth_tangle_list {
   int *size;      // [vertices], likewise
   int *inside;    // [vertices], likewise
   int *body;      // [vertices], likewise
+  int *exit;      // [vertices], likewise: 1: leaves its body as exit.c says
   int *cut;       // [edges] 1 + body, or -1 for cloth, of what pierces it; 0: nothing
 } cloth_tangle_list;
 
@@ -48,6 +50,10 @@ void cloth_tangles_suspect(struct cloth_sim *sim);
 
 /// A body was put somewhere without a sweep: what it intersects now is worked out.
 void cloth_body_settle(struct cloth_sim *sim);
+
+/// Have holds driven cloth into what it intersects, and may they keep it there? (Not so where a
+/// scene begins with a pin inside a body.)
+bool cloth_tangles_forced(const struct cloth_sim *sim);
 
 /// Is what has strayed through cloth (bodies: 0), through bodies (1), worked out?
 bool cloth_untangles(const struct cloth_sim *sim, int bodies);

@@ -44,6 +44,8 @@ typedef struct cloth_engine {
   cloth_status (*tangles)(void *sim, cloth_tangle_view *out, int capacity, int *count,
                           cloth_error *err);
   cloth_status (*blocking_bodies)(void *sim, int *out, int capacity, int *count, cloth_error *err);
+  cloth_status (*blocking_holds)(void *sim, cloth_hold_view *out, int capacity, int *count,
+                                 cloth_error *err);
   int (*effect_count)(void);
   cloth_status (*effect_describe)(const void *sim, int effect, cloth_effect_info *out,
                                   cloth_error *err);

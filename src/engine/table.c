@@ -40,6 +40,7 @@ __attribute__((visibility("default"))) const cloth_engine CLOTH_ENGINE = {
     .contacts = cloth_sim_contacts,
     .tangles = cloth_sim_tangles,
     .blocking_bodies = cloth_sim_blocking_bodies,
+    .blocking_holds = cloth_sim_blocking_holds,
     .effect_count = cloth_sim_effect_count,
     .effect_describe = cloth_sim_effect_describe,
 };

@@ -62,7 +62,7 @@ Entry engineEntry(const Health &h, const std::string &node)
   if (!h.blocking.empty()) {
     std::string names;
     for (const std::string &name : h.blocking) names += (names.empty() ? "" : ", ") + name;
-    e.raise(DiagnosticStatus::WARN, "bodies leave the cloth no room: " + names);
+    e.raise(DiagnosticStatus::WARN, "bodies or holds leave the cloth no room: " + names);
   }
   if (h.report.tangles > 0)
     e.raise(DiagnosticStatus::WARN, std::to_string(h.report.tangles) +

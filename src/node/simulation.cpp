@@ -64,16 +64,24 @@ void Simulation::warnTangles()
   }
 }
 
-std::vector<std::string> Simulation::blockingBodies() const
+std::vector<std::string> Simulation::blockingNames() const
 {
   std::vector<std::string> names;
-  if (report_.bodies_blocking == 0) return names;
+  cloth_scene *scene = world_->scene.get();
   std::vector<int> body(static_cast<size_t>(report_.bodies_blocking));
-  int count = 0;
-  if (cloth_blocking_bodies(world_->scene.get(), body.data(), report_.bodies_blocking, &count,
-                            nullptr) != CLOTH_OK)
-    return names;
-  for (int b : body) names.emplace_back(cloth_body_name(world_->scene.get(), b));
+  std::vector<cloth_hold_view> hold(static_cast<size_t>(report_.holds_blocking));
+  int bodies = 0, holds = 0;
+  if (!body.empty())
+    cloth_blocking_bodies(scene, body.data(), report_.bodies_blocking, &bodies, nullptr);
+  if (!hold.empty())
+    cloth_blocking_holds(scene, hold.data(), report_.holds_blocking, &holds, nullptr);
+  for (int i = 0; i < std::min(bodies, report_.bodies_blocking); i++)
+    names.emplace_back(cloth_body_name(scene, body[static_cast<size_t>(i)]));
+  for (int i = 0; i < std::min(holds, report_.holds_blocking); i++) {
+    const cloth_hold_view &h = hold[static_cast<size_t>(i)];
+    names.push_back(std::string(cloth_name(scene, h.cloth)) + "/" +
+                    (h.group ? h.group : "(a grasp)"));
+  }
   return names;
 }
 
@@ -345,7 +353,7 @@ Health Simulation::health() const
   h.grasps = grasping_.count();
   h.inputs = motion_.joints.counts;
   h.report = report_;
-  h.blocking = blockingBodies();
+  h.blocking = blockingNames();
   h.problems = world_->problems;
   return h;
 }

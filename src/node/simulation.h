@@ -28,7 +28,7 @@ struct Health {
   bool paused = false, waiting_for_clock = false, lost = false;
   std::string paused_why, robot_waits_for, last_failure;
   double real_time_factor = 0, skipped = 0, lag = 0;
-  std::vector<std::string> blocking; // bodies that leave the cloth no room, by name
+  std::vector<std::string> blocking; // bodies and holds that leave the cloth no room, by name
   uint64_t teleports = 0, failures = 0, mailbox_lost = 0;
   size_t grasps = 0;
   InputCounts inputs;
@@ -88,7 +88,7 @@ private:
   void readContacts(Snapshot *s);
   void crossCheck(double margin);
   void warnTangles();
-  std::vector<std::string> blockingBodies() const;
+  std::vector<std::string> blockingNames() const;
   bool statePath(const std::string &name, std::string *path, std::string *why) const;
   void claimClock();
 

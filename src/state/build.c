@@ -177,7 +177,7 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
                          (size_t)(sim->all_vertices - sim->vertex_count), &p->vertex_flat, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
-  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 8, &p->counter, err));
+  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 10, &p->counter, err));
   int *number = malloc(sizeof(int) * (n + (size_t)sim->all_vertices + 1));
   if (number == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "contact");
   for (int c = 0; c < sim->def->cloth_count; c++)
@@ -284,7 +284,7 @@ void cloth_sim_free(void *data)
   free(sim->triangle_order), free(sim->triangle), free(sim->edge), free(sim->triangle_edge),
       free(sim->owns);
   cloth_zones_free(&sim->zones), cloth_tangles_free(&sim->tangles);
-  free(sim->blocking.body);
+  cloth_blocking_free(&sim->blocking);
   cloth_bend_rest_free(sim->bend_rest);
   cloth_springs_free(&sim->springs);
   free(sim->edge_side), free(sim->edge_flat), free(sim->vertex_flat), free(sim->hinge),

@@ -26,6 +26,8 @@ bool cloth_may_cut(const cloth_sim *sim, const cloth_cutting *c, cloth_outcome r
   static const int most[] = {[OUTCOME_ROUGH] = ROUGH_HALVINGS,
                              [OUTCOME_CROWDED] = CROWDED_HALVINGS,
                              [OUTCOME_UNSTABLE] = INT_MAX};
+  // holds that have driven cloth through something are not cured by smaller steps either
+  if (result != OUTCOME_UNSTABLE && cloth_tangles_forced(sim)) return false;
   return c->depth + c->halvings < most[result] && c->halvings < sim->params.step_halvings_max;
 }
 
@@ -49,7 +51,7 @@ bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *
   bool cures = sim->impacts_left <= c->left / 2 || !many;
   c->left = sim->impacts_left;
   int most = sim->helpless && many ? 1 : IMPACT_HALVINGS;
-  return sim->tangles.known_free && cures && c->for_impacts++ < most &&
+  return !sim->tangles.settling && cures && c->for_impacts++ < most &&
          c->halvings < sim->params.step_halvings_max;
 }
 

@@ -35,9 +35,9 @@ double cloth_crowded(const cloth_sim *sim);
 /// May a substep with this outcome, impacts left aside, be repeated at half its length?
 bool cloth_may_cut(const cloth_sim *sim, const cloth_cutting *cutting, cloth_outcome result);
 
-/// Is the substep repeated at half its length? Where something intersects already, or where half
-/// the length left more than half of the impacts, and many, bodies leave no room, and smaller steps
-/// make none.
+/// Is the substep repeated at half its length? Where earlier impacts were left or a body was placed,
+/// or where half the length left more than half of the impacts, and many, there is no room, and
+/// smaller steps make none. (What intersected at the start is kept as it is: there they may.)
 bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *cutting);
 
 /// Steps that follow begin as finely as this one ended: most of them are as crowded.

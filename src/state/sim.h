@@ -125,7 +125,7 @@ typedef struct cloth_part {
   unsigned char *ghost_near;     // [chunks of triangles]
   cloth_real *ghost_box;         // [chunks x 6] m
   uint64_t *pair;
-  uint32_t *counter; // [8] small counts that the host reads
+  uint32_t *counter; // [10] small counts that the host reads
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
 

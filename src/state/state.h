@@ -35,6 +35,8 @@ cloth_status cloth_sim_tangles(void *sim, cloth_tangle_view *out, int capacity, 
                                cloth_error *err);
 cloth_status cloth_sim_blocking_bodies(void *sim, int *out, int capacity, int *count,
                                        cloth_error *err);
+cloth_status cloth_sim_blocking_holds(void *sim, cloth_hold_view *out, int capacity, int *count,
+                                      cloth_error *err);
 int cloth_sim_effect_count(void);
 cloth_status cloth_sim_effect_describe(const void *sim, int effect, cloth_effect_info *out,
                                        cloth_error *err);

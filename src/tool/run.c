@@ -36,8 +36,8 @@ typedef struct totals {
   int contacts_self_max, contacts_body_max, impacts_left_max;
   int zone_largest;
   int tangles_max, tangles_last;
-  unsigned char *blocking; // [bodies] 1: left the cloth no room in some step
-  int64_t blocking_steps, teleports;
+  tool_blocking blocking;
+  int64_t teleports;
   int64_t impacts, zones, held_back, impacts_left_steps, unconverged, substeps, halvings;
   int substeps_max;
 } totals;
@@ -113,7 +113,6 @@ static void totals_add(totals *t, const cloth_step_report *r, double wall)
   if (r->impacts_left > t->impacts_left_max) t->impacts_left_max = r->impacts_left;
   if (r->tangles > t->tangles_max) t->tangles_max = r->tangles;
   t->tangles_last = r->tangles;
-  t->blocking_steps += r->bodies_blocking > 0;
   t->teleports += r->teleports;
   t->impacts += r->impacts;
   t->zones += r->zones;
@@ -158,7 +157,7 @@ static cloth_status run_steps(run *r, cloth_error *err)
     double before = tool_clock();
     CLOTH_TRY(cloth_step(r->scene, 0, &report, err));
     totals_add(&r->totals, &report, tool_clock() - before);
-    if (report.bodies_blocking > 0) CLOTH_TRY(tool_blocking_add(r->scene, r->totals.blocking, err));
+    CLOTH_TRY(tool_blocking_add(&r->totals.blocking, r->scene, &report, err));
     r->last = report;
     if (r->output) CLOTH_TRY(tool_output_report(r->output, &report, err));
     CLOTH_TRY(look_for_signal(r, err));
@@ -220,7 +219,7 @@ static void print_summary(const run *r, uint64_t hash)
   printf("\n");
   if (t->teleports)
     printf("teleports         %" PRId64 " bodies placed, not swept\n", t->teleports);
-  if (t->blocking_steps) tool_blocking_print(r->scene, t->blocking, t->blocking_steps);
+  tool_blocking_print(&t->blocking, r->scene);
   print_budget(&r->last);
   print_accuracy(r, simulated);
   if (t->unconverged) printf("unconverged       %" PRId64 " linear solves\n", t->unconverged);
@@ -280,11 +279,6 @@ static cloth_status run_prepare(const tool_arguments *args, run *r, cloth_error 
   cloth_scene_hash_steps(r->scene, tool_has(args, "hash"));
   const char *from = tool_text(args, "load-state");
   if (from) CLOTH_TRY_GOTO(cloth_state_load(r->scene, from, err), status, done);
-  r->totals.blocking = calloc((size_t)cloth_body_count(r->scene) + 1, 1);
-  if (r->totals.blocking == NULL) {
-    status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "bodies");
-    goto done;
-  }
   if (dir)
     CLOTH_TRY_GOTO(
         tool_output_new(first ? dir : NULL, tool_has(args, "force"), r->scene, &r->output, err),
@@ -334,7 +328,7 @@ static int run_main(const tool_arguments *args, cloth_error *err)
   }
   if (tool_output_close(r.output, err) != CLOTH_OK) code = TOOL_FAILED;
   cloth_scene_free(r.scene);
-  free(r.totals.blocking);
+  tool_blocking_free(&r.totals.blocking);
   return code;
 }
 

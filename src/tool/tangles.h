@@ -1,4 +1,5 @@
-// What cloth run says of triangles that intersect and of bodies that leave the cloth no room.
+// What cloth run says of triangles that intersect and of bodies and holds that leave the cloth no
+// room.
 #pragma once
 
 #include "cloth.h"
@@ -7,8 +8,19 @@
 /// how many.
 cloth_status tool_tangles_print(cloth_scene *scene, int *count, cloth_error *err);
 
-/// Mark the bodies that left no room in the last step. blocking: [bodies].
-cloth_status tool_blocking_add(cloth_scene *scene, unsigned char *blocking, cloth_error *err);
+/// Which bodies and holds left no room in any step so far; zero it first.
+typedef struct tool_blocking {
+  int64_t steps;         // in which there were any
+  unsigned char *body;   // [bodies] 1: it did
+  cloth_hold_view *hold; // [holds] each once
+  int holds;
+} tool_blocking;
 
-/// Print the marked bodies by name; steps: in how many there were any.
-void tool_blocking_print(const cloth_scene *scene, const unsigned char *blocking, int64_t steps);
+/// Take in those of the last step.
+cloth_status tool_blocking_add(tool_blocking *blocking, cloth_scene *scene,
+                               const cloth_step_report *report, cloth_error *err);
+
+/// Print them by name, and in how many steps there were any; nothing if there were none.
+void tool_blocking_print(const tool_blocking *blocking, const cloth_scene *scene);
+
+void tool_blocking_free(tool_blocking *blocking);

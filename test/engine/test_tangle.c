@@ -21,6 +21,19 @@ static cloth_def *crossing(const char *precision, const char *untangle)
   return def;
 }
 
+// a box in the middle of a towel, 2 cm from coming out
+static cloth_def *around_a_box(const char *precision, const char *untangle)
+{
+  sheet_make(&one, 0.2, 0.2, 15, 15);
+  solid_box(&body, 0.06, 0.06, 0.06);
+  cloth_def *def = def_new(precision);
+  def_set(def, "gravity", "0 0 0");
+  def_set(def, "untangle", untangle);
+  def_cloth(def, "towel", &one, cloth_material_default(), pose_at(0, 0, 0));
+  def_body(def, "box", &body, 0.5, pose_at(0.011, 0.007, 0.01));
+  return def;
+}
+
 static int tangles_of(cloth_scene *scene)
 {
   cloth_tangle_view first;
@@ -42,19 +55,26 @@ static uint64_t hash_after(cloth_def *def, int steps, int *tangles)
   return hash;
 }
 
-static int same_bits(const char *precision)
+typedef cloth_def *made(const char *precision, const char *untangle);
+
+static int same_bits_of(made *make, const char *precision)
 {
   static const char *const settings[][2] = {
       {"threads", "1"}, {"threads", "3"}, {"devices", "cpu,cpu,cpu"}, {"backend", "shuffle"}};
   int tangles, other;
-  uint64_t hash = hash_after(crossing(precision, "true"), 8, &tangles);
+  uint64_t hash = hash_after(make(precision, "true"), 8, &tangles);
   CHECK(tangles > 0); // in the middle of it
   for (int i = 0; i < 4; i++) {
-    cloth_def *def = crossing(precision, "true");
+    cloth_def *def = make(precision, "true");
     def_set(def, settings[i][0], settings[i][1]);
     CHECK(hash_after(def, 8, &other) == hash && other == tangles);
   }
   return 0;
+}
+
+static int same_bits(const char *precision)
+{
+  return same_bits_of(crossing, precision) || same_bits_of(around_a_box, precision);
 }
 BOTH(working_out_gives_the_same_bits_for_threads_parts_and_order, same_bits)
 
@@ -80,6 +100,26 @@ static int continued(const char *precision)
   return 0;
 }
 BOTH(a_run_continued_in_the_middle_of_it_gives_the_same_bits, continued)
+
+static int comes_off(const char *precision)
+{
+  cloth_scene *scene = scene_new(around_a_box(precision, "true"));
+  int before = tangles_of(scene);
+  cloth_step_report r = {0};
+  for (int n = 0; n < 30; n++) {
+    r = scene_step(scene, 1);
+    CHECK(r.stretch_max < 0.05); // it comes off as a whole, by its nearest side
+  }
+  scene_positions(scene, 0, x);
+  for (int v = 0; v < 15 * 15; v++) {
+    double *p = x + 3 * v;
+    CHECK(fabs(p[0] - 0.011) > 0.03 || fabs(p[1] - 0.007) > 0.03 || p[2] < -0.02);
+  }
+  CHECK(before > 0 && r.tangles == 0);
+  cloth_scene_free(scene);
+  return 0;
+}
+BOTH(cloth_in_which_a_box_appeared_comes_off_by_the_nearest_side, comes_off)
 
 // ---- bodies that leave no room
 // -------------------------------------------------------------------
@@ -233,6 +273,7 @@ int main(int argc, char **argv)
   int failures = 0;
   RUN(working_out_gives_the_same_bits_for_threads_parts_and_order);
   RUN(a_run_continued_in_the_middle_of_it_gives_the_same_bits);
+  RUN(cloth_in_which_a_box_appeared_comes_off_by_the_nearest_side);
   RUN(fingers_that_close_to_nothing_are_both_named_and_nothing_breaks);
   RUN(a_press_names_the_table_under_it_too);
   RUN(a_table_that_leaves_room_is_not_named);

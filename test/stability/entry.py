@@ -37,15 +37,17 @@ class Entry:
     """One line of the table.
 
     no_room    bodies or held vertices leave the cloth no room: cloth may intersect bodies if the report says so
+    driven     holds move: they may drive cloth through cloth as well, in steps whose report names them
     tangled    the start intersects: 'kept' (it does not get worse) or 'worked out' (nothing intersects at the end)
     particles  particles instead of triangles, or discrete detection: nothing is promised about intersections
     open       {sentence: why}: not held yet; told with its figures, the rest is judged
     """
 
-    def __init__(self, name, hard, must, energy, cases, no_room=False, tangled='', particles=False, open=None, quick=False):
+    def __init__(self, name, hard, must, energy, cases, no_room=False, tangled='', particles=False, open=None, quick=False,
+                 driven=False):
         self.name, self.hard, self.must, self.energy, self.cases = name, hard, must, energy, cases
         self.no_room, self.tangled, self.particles = no_room, tangled, particles
-        self.open, self.quick = open or {}, quick
+        self.open, self.quick, self.driven = open or {}, quick, driven
 
 
 ENTRIES = []

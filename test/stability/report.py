@@ -4,7 +4,8 @@ import math
 BEGIN, END = '<!-- stability: from test/stability/run.py --doc -->', '<!-- end -->'
 TOLD = (('step_halvings', 'substeps halved'), ('pcg_unconverged', 'solves given up'), ('held_back', 'pairs held back'),
         ('teleports', 'bodies placed'), ('grasps_broken', 'grasps broken'))
-WORST = (('impacts_left', 'passing through'), ('tangles', 'intersecting'), ('bodies_blocking', 'bodies that leave no room'))
+WORST = (('impacts_left', 'passing through'), ('tangles', 'intersecting'), ('bodies_blocking', 'bodies that leave no room'),
+         ('holds_blocking', 'holds that leave no room'))
 
 
 def number(value):

@@ -64,7 +64,7 @@ class Task:
                 scene = file.read()
         judged = [
             scene, case.files, case.options, case.seconds, case.written, case.energy or entry.energy, case.refused, case.tells,
-            entry.no_room, entry.tangled, entry.particles,
+            entry.no_room, entry.driven, entry.tangled, entry.particles,
             sorted(entry.open), JUDGEMENT
         ]
         self.digest = hashlib.sha256(repr(judged).encode()).hexdigest()[:8]

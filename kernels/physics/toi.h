@@ -164,9 +164,9 @@ CLOTH_FN double cloth_toi_separation_double(const cloth_v3 x[4], int split, clot
 }
 
 // Does one of the planes that suggest themselves at the start keep the features apart for the whole
-// step? Along it the corners move in straight lines, so start and end tell. They keep `error` [m],
-// as far as that is less than the gap: nearer than what the search itself can tell, nothing could
-// be told in the next step.
+// step? Along it the corners move in straight lines, so start and end tell. Within `error` [m], and
+// within the gap, they may not come nearer than they are: nearer than what the search itself can
+// tell, nothing could be told in the next step.
 CLOTH_FN int cloth_toi_stays_apart(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
                                    cloth_real gap, cloth_real share, cloth_real error)
 {
@@ -182,10 +182,12 @@ CLOTH_FN int cloth_toi_stays_apart(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4
     start[c] = cloth_toi_separation_double(x_t0, split, n[c]);
     if (start[c] > kept) kept = start[c];
   }
-  double level = fmin((double)gap, fmax((double)share * kept, (double)error));
+  double level = fmin((double)gap, (double)share * kept), told = fmin((double)gap, (double)error);
   level += 4 * (double)CLOTH_REAL_EPSILON * (double)size;
-  for (int c = 0; c < 2; c++)
-    if (start[c] > level && cloth_toi_separation_double(x_t1, split, n[c]) > level) return 1;
+  for (int c = 0; c < 2; c++) {
+    double end = cloth_toi_separation_double(x_t1, split, n[c]);
+    if (start[c] > level && end > level && end >= fmin(told, start[c])) return 1;
+  }
   return 0;
 }
 #endif

@@ -397,7 +397,7 @@ __global__ void __launch_bounds__(THREADS, 1)
 __global__ void __launch_bounds__(CLUSTER_THREADS, 1)
     block_by_cluster(const __grid_constant__ cloth_spring_block_args b, cell *cells)
 {
-  run(b, cells, cloth_together_cluster(nullptr));
+  run(b, cells, cloth_together_cluster());
 }
 
 // ---- launches -----------------------------------------------------------------------------------

@@ -132,6 +132,13 @@ static cloth_status copy(cloth_device *from, cloth_device *to, void *dst, const 
   return HERE(from, copy(d->here, d->here, dst, src, bytes, &d->why));
 }
 
+static cloth_status move(cloth_device *device, void *dst, const void *src, size_t bytes,
+                         cloth_error *err)
+{
+  (void)err;
+  return HERE(device, move(of(device)->here, dst, src, bytes, &of(device)->why));
+}
+
 static cloth_status fill(cloth_device *device, void *dst, int byte, size_t bytes, cloth_error *err)
 {
   (void)err;
@@ -240,6 +247,7 @@ const cloth_backend *cloth_backend_spread(const cloth_backend *inner, cloth_tran
       .write = write,
       .read = read,
       .copy = copy,
+      .move = move,
       .fill = fill,
       .solve = inner->solve ? solve : NULL,
       .launch = launch,
@@ -250,6 +258,8 @@ const cloth_backend *cloth_backend_spread(const cloth_backend *inner, cloth_tran
       .record = record,
       .wait = wait,
       .elapsed = inner->elapsed ? elapsed : NULL,
+      .range_begin = inner->range_begin,
+      .range_end = inner->range_end,
       .finish = finish,
   };
   inner_of_open = inner, transport_of_open = transport;

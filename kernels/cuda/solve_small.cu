@@ -297,23 +297,6 @@ __global__ void __launch_bounds__(THREADS, 1)
 
 // ---- starting it --------------------------------------------------------------------------------
 
-// A kernel of one cluster: what the launch needs.
-struct cluster_launch {
-  cudaLaunchConfig_t config;
-  cudaLaunchAttribute size;
-};
-
-void cluster_of(cluster_launch *l, int blocks, size_t shared, cudaStream_t stream)
-{
-  *l = {};
-  l->size.id = cudaLaunchAttributeClusterDimension;
-  l->size.val.clusterDim.x = (unsigned)blocks;
-  l->size.val.clusterDim.y = l->size.val.clusterDim.z = 1;
-  l->config.gridDim = dim3((unsigned)blocks), l->config.blockDim = dim3(THREADS);
-  l->config.dynamicSmemBytes = shared;
-  l->config.stream = stream, l->config.attrs = &l->size, l->config.numAttrs = 1;
-}
-
 // blocks of the largest cluster that the device runs with all the shared memory that it has
 cloth_status ask_device(cloth_device *d, cloth_error *err)
 {
@@ -326,9 +309,9 @@ cloth_status ask_device(cloth_device *d, cloth_error *err)
   CUDA_TRY(err, cudaFuncSetAttribute(solve_by_cluster, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                      (int)d->shared_bytes));
   for (int blocks = BLOCKS; blocks > 1 && d->cluster_blocks == 1; blocks /= 2) {
-    cluster_launch l;
+    cloth_cluster_launch l;
     int clusters = 0;
-    cluster_of(&l, blocks, d->shared_bytes, d->stream[CLOTH_COMPUTE]);
+    cloth_cluster_of(&l, blocks, THREADS, d->shared_bytes, d->stream[CLOTH_COMPUTE]);
     if (cudaOccupancyMaxActiveClusters(&clusters, solve_by_cluster, &l.config) == cudaSuccess &&
         clusters > 0)
       d->cluster_blocks = blocks;
@@ -352,8 +335,9 @@ cloth_status cloth_cuda_solve_small(cloth_device *d, const cloth_pcg_solve_args 
   if (d->cluster_blocks == 0) CLOTH_TRY(ask_device(d, err));
   *taken = fits(d, args);
   if (!*taken) return CLOTH_OK;
-  cluster_launch l;
-  cluster_of(&l, d->cluster_blocks, room_bytes(&args->v.hats), d->stream[CLOTH_COMPUTE]);
+  cloth_cluster_launch l;
+  cloth_cluster_of(&l, d->cluster_blocks, THREADS, room_bytes(&args->v.hats),
+                   d->stream[CLOTH_COMPUTE]);
   CUDA_TRY(err, cudaLaunchKernelEx(&l.config, solve_by_cluster, *args));
   return CLOTH_OK;
 }

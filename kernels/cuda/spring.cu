@@ -409,23 +409,6 @@ size_t kept_bytes(int threads)
   return (size_t)threads * (NUMBERS * sizeof(cloth_real) + NAMES * sizeof(int));
 }
 
-// A kernel of one cluster: what the launch needs.
-struct cluster_launch {
-  cudaLaunchConfig_t config;
-  cudaLaunchAttribute size;
-};
-
-void cluster_of(cluster_launch *l, int blocks, int threads, cudaStream_t stream)
-{
-  *l = {};
-  l->size.id = cudaLaunchAttributeClusterDimension;
-  l->size.val.clusterDim.x = (unsigned)blocks;
-  l->size.val.clusterDim.y = l->size.val.clusterDim.z = 1;
-  l->config.gridDim = dim3((unsigned)blocks), l->config.blockDim = dim3((unsigned)threads);
-  l->config.dynamicSmemBytes = kept_bytes(threads);
-  l->config.stream = stream, l->config.attrs = &l->size, l->config.numAttrs = 1;
-}
-
 // most threads of a block, and blocks of the largest cluster that the device runs; 1: it has none
 cloth_status ask_device(cloth_device *d, cloth_error *err)
 {
@@ -442,9 +425,10 @@ cloth_status ask_device(cloth_device *d, cloth_error *err)
   CUDA_TRY(err, cudaFuncSetAttribute(block_by_cluster, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                      (int)kept_bytes(CLUSTER_THREADS)));
   for (int blocks = CLUSTER_BLOCKS; blocks > 1 && d->spring_blocks == 1; blocks /= 2) {
-    cluster_launch l;
+    cloth_cluster_launch l;
     int clusters = 0;
-    cluster_of(&l, blocks, CLUSTER_THREADS, d->stream[CLOTH_COMPUTE]);
+    cloth_cluster_of(&l, blocks, CLUSTER_THREADS, kept_bytes(CLUSTER_THREADS),
+                     d->stream[CLOTH_COMPUTE]);
     if (cudaOccupancyMaxActiveClusters(&clusters, block_by_cluster, &l.config) == cudaSuccess &&
         clusters > 0)
       d->spring_blocks = blocks;
@@ -455,10 +439,11 @@ cloth_status ask_device(cloth_device *d, cloth_error *err)
 
 cudaError_t launch_cluster(cloth_device *d, const cloth_spring_block_args &b, cell *cells)
 {
-  cluster_launch l;
+  cloth_cluster_launch l;
   int wanted = LANES * b.rows, blocks = 1;
   while (blocks < d->spring_blocks && blocks * CLUSTER_THREADS / 2 < wanted) blocks *= 2;
-  cluster_of(&l, blocks, rounded((wanted + blocks - 1) / blocks), d->stream[CLOTH_COMPUTE]);
+  int threads = rounded((wanted + blocks - 1) / blocks);
+  cloth_cluster_of(&l, blocks, threads, kept_bytes(threads), d->stream[CLOTH_COMPUTE]);
   return cudaLaunchKernelEx(&l.config, block_by_cluster, b, cells);
 }
 

@@ -82,3 +82,23 @@ struct cloth_together_cluster {
 #endif
   }
 };
+
+/// A kernel of one cluster: what the launch needs.
+struct cloth_cluster_launch {
+  cudaLaunchConfig_t config;
+  cudaLaunchAttribute size;
+};
+
+/// `blocks` blocks of `threads` threads with `shared` bytes of dynamic shared memory each. config
+/// points into *l, so it is filled where it stays.
+inline void cloth_cluster_of(cloth_cluster_launch *l, int blocks, int threads, size_t shared,
+                             cudaStream_t stream)
+{
+  *l = {};
+  l->size.id = cudaLaunchAttributeClusterDimension;
+  l->size.val.clusterDim.x = (unsigned)blocks;
+  l->size.val.clusterDim.y = l->size.val.clusterDim.z = 1;
+  l->config.gridDim = dim3((unsigned)blocks), l->config.blockDim = dim3((unsigned)threads);
+  l->config.dynamicSmemBytes = shared;
+  l->config.stream = stream, l->config.attrs = &l->size, l->config.numAttrs = 1;
+}

@@ -125,13 +125,10 @@ static int bits_below(int n)
   return bits;
 }
 
-// Contacts with bodies lie in the matrix with hats alone. With two levels the towel of the demo was
-// stretched by 11 % where it is laid down, against 2 to 3 % with all contacts in factors; why is
-// not found yet.
+// Contacts with bodies lie in the matrix where it has blocks for the corners of a triangle.
 int cloth_contact_body_first(const cloth_sim *sim)
 {
-  bool in_matrix = sim->active[CLOTH_EFFECT_membrane] && sim->hat_groups > 0;
-  return in_matrix ? sim->vertex_count : INT_MAX;
+  return sim->active[CLOTH_EFFECT_membrane] ? sim->vertex_count : INT_MAX;
 }
 
 // each row's contacts, in one order

@@ -14,6 +14,7 @@ CLOTH_REPORT(double, newton_correction, "m", "largest last correction of a verte
 CLOTH_REPORT(int, pcg_iterations, "1", "iterations of all linear solves together")
 CLOTH_REPORT(double, pcg_residual, "1", "largest true ||b - A x|| / ||b|| of the linear solves")
 CLOTH_REPORT(int, pcg_unconverged, "1", "linear solves that gave up")
+CLOTH_REPORT(double, product_ms, "ms", "with profile: of the solves, the products A p with what they wait for, by the first device; 0: not asked for")
 CLOTH_REPORT(int, vertices, "1", "cloth vertices")
 CLOTH_REPORT(int, triangles, "1", "cloth triangles")
 CLOTH_REPORT(int, bodies_near, "1", "bodies whose swept box meets the cloth's")

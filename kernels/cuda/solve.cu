@@ -5,6 +5,7 @@
 #include "launch.h"
 #include "pcg_solve.h"
 #include "reduce.cuh"
+#include "stopwatch.cuh"
 #include "together.cuh"
 
 namespace {
@@ -168,11 +169,14 @@ __device__ void solve(const cloth_pcg_solve_args &a, Together g)
   __shared__ shared_room room;
   Rows rows(a);
   int contacts = cloth_pcg_contacts(&a);
+  cloth_stopwatch products(a.product_ns);
   if (threadIdx.x < CLOTH_PCG_SCALARS) room.scalar[threadIdx.x] = a.v.scalar[threadIdx.x];
   for_levels(a, room.upper, [&](int k) { return cloth_pcg_start_row(k, &a.v); });
   turn(a, g, 1, &room);
   for (int n = 0; n < a.iterations_max && !(room.scalar[CLOTH_PCG_DONE] > 0); n++) {
+    products.start();
     product(a, contacts, g, rows, &room);
+    products.stop();
     if (room.scalar[CLOTH_PCG_DONE] > 0) break;
     cloth_real alpha = room.scalar[CLOTH_PCG_ALPHA];
     for_levels(a, room.upper, [&](int k) { return cloth_pcg_update_row(k, &a.v, alpha); });

@@ -7,6 +7,7 @@
 #include "launch.h"
 #include "pcg_part.h"
 #include "reduce.cuh"
+#include "stopwatch.cuh"
 
 namespace {
 
@@ -18,7 +19,7 @@ enum {
   POLLS = 1024 // between two looks at the clock
 };
 
-constexpr unsigned long long PATIENCE = 10000000000ull; // ns
+constexpr uint64_t PATIENCE = 10000000000u; // ns
 
 using part_args = cloth_pcg_part_args;
 
@@ -32,13 +33,6 @@ struct grid {
 };
 
 // ---- waiting ------------------------------------------------------------------------------------
-
-__device__ unsigned long long nanoseconds(void)
-{
-  unsigned long long t;
-  asm volatile("mov.u64 %0, %globaltimer;" : "=l"(t));
-  return t;
-}
 
 __device__ void tell(const grid &g, int part, int number)
 {
@@ -55,11 +49,11 @@ __device__ void give_up(const grid &g)
 // one thread, until ready() or all is lost
 template <typename Ready> __device__ void spin(const grid &g, Ready ready)
 {
-  unsigned long long since = 0;
+  uint64_t since = 0;
   for (unsigned n = 1; !ready(); n++) {
     if (n % POLLS > 0) continue;
     if (*g.lost) return;
-    unsigned long long now = nanoseconds();
+    uint64_t now = cloth_nanoseconds();
     if (since == 0) since = now;
     if (now - since < PATIENCE) continue;
     give_up(g);
@@ -398,13 +392,16 @@ __device__ void iterate(grid &g, cloth_real *sums, cloth_real *upper, cloth_real
   int thread = (int)(blockIdx.x * blockDim.x + threadIdx.x), stride = (int)(gridDim.x * blockDim.x);
   for_levels(a, upper, [&](int i) { return cloth_pcg_start_row(i, &v); });
   if (v.hats.nodes > 0) start_nodes(g);
+  cloth_stopwatch products(a.solve.product_ns);
   for (int k = 0; turn(g, k, sums, lanes); k++) {
+    products.start();
     product(g, cloth_directions_signal(k), upper);
     barrier(g, true, [&] {
       signal(g, cloth_products_signal(k));
       await(g, cloth_products_signal(k));
       alpha_of(g, lanes);
     });
+    products.stop();
     if (*static_cast<volatile cloth_real *>(v.scalar + CLOTH_PCG_DONE) > 0) return;
     cloth_real alpha = v.scalar[CLOTH_PCG_ALPHA];
     for_levels(a, upper, [&](int i) { return cloth_pcg_update_row(i, &v, alpha); });

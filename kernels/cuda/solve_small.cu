@@ -6,6 +6,7 @@
 // the upper levels of hats, the right-hand side of the coarse level.
 #include "launch.h"
 #include "small_room.cuh"
+#include "stopwatch.cuh"
 #include "together.cuh"
 
 namespace {
@@ -257,8 +258,11 @@ struct worker {
   {
     residuals([](int at, const cloth_pcg_vectors *v) { return cloth_pcg_start_row(at, v); });
     turn(1);
+    cloth_stopwatch watch(a.product_ns);
     for (int n = 0; n < a.iterations_max && !(scalar[CLOTH_PCG_DONE] > 0); n++) {
+      watch.start();
       products();
+      watch.stop();
       if (scalar[CLOTH_PCG_DONE] > 0) return;
       cloth_real alpha = scalar[CLOTH_PCG_ALPHA];
       residuals(

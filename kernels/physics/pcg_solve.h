@@ -25,6 +25,7 @@ typedef struct cloth_pcg_solve_args {
   cloth_pcg_beta_args beta; // its `start` is not read
   cloth_real *more_partial; // [chunks x CLOTH_PCG_PARTIALS] for who adds p'q up while others go on
   int iterations_max;
+  uint64_t *product_ns; // [1] ns, counts up: products, with what they wait for; NULL: not asked for
 } cloth_pcg_solve_args;
 
 /// Contacts that the product goes through: none where all lie in the matrix.

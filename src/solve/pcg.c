@@ -289,7 +289,8 @@ static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p
                             .hats = cloth_hats_args(sim, p, done),
                             .beta = beta_args(sim, p, 1),
                             .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
-                            .iterations_max = sim->params.pcg_iterations_max};
+                            .iterations_max = sim->params.pcg_iterations_max,
+                            .product_ns = sim->params.profile > 0 ? p->product_ns : NULL};
   return a;
 }
 
@@ -343,6 +344,16 @@ static cloth_status solve_together(cloth_sim *sim, cloth_error *err)
   return sim->backend->solve_parts(sim->part_count, device, a, err);
 }
 
+// of the first part, with `profile`
+static cloth_status read_product_time(cloth_sim *sim, cloth_error *err)
+{
+  cloth_part *p = &sim->part[0];
+  uint64_t ns;
+  CLOTH_TRY(sim->backend->read(p->device, &ns, p->product_ns, sizeof ns, err));
+  sim->report->product_ms += 1e-6 * (double)ns;
+  return sim->backend->fill(p->device, p->product_ns, 0, sizeof ns, err);
+}
+
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
 {
   cloth_real scalar[CLOTH_PCG_SCALARS];
@@ -353,6 +364,7 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
     CLOTH_TRY(solve_together(sim, err));
   else
     CLOTH_TRY(iterate_all(sim, err));
+  if (sim->params.profile > 0) CLOTH_TRY(read_product_time(sim, err));
   CLOTH_TRY(residual(sim, err));
   CLOTH_TRY(correct(sim, err));
   CLOTH_TRY(read_scalars(sim, scalar, err));

@@ -139,6 +139,7 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   int sums = 2 * sim->chunks + sim->hat_groups; // some for z, others for the product
   CLOTH_TRY(take_reals(sim, p, "partial", sums, CLOTH_PCG_PARTIALS, &p->partial, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
+  CLOTH_TRY(cloth_take(sim, p, "product_ns", sizeof(uint64_t), &p->product_ns, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
   int boxes = sim->chunks + sim->chunks / (CLOTH_CHUNK - 1) + 8; // and chunks of chunks
   CLOTH_TRY(take_reals(sim, p, "box_of_chunk", boxes, 6, &p->box_of_chunk, err));

@@ -177,6 +177,7 @@ typedef struct cloth_part {
   cloth_real *q;                // [n x 3], the part's own, with hats all
   cloth_real *inverse_diagonal; // [n x 6], likewise
   cloth_real *partial, *scalar;
+  uint64_t *product_ns; // [1] time of the products, with the parameter profile
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
   cloth_real *hat_place, *hat_block, *hat_part; // [n x 3], [n x 5 x 6], [fine x 12]

@@ -28,14 +28,17 @@ SCENES = {
     'flag_8000k': ('flag_1200k', 2.58, 8, (), None),
     'sheets_700k': ('sheets_700k', 1.0, 50, (), None),
     'sphere_1000k': ('sphere_1000k', 1.0, 50, (), None),
+    # with profile: stages by the devices' clocks, and the products A p by themselves
     'flag_1200k_stages': ('flag_1200k', 1.0, 25, ('profile=1',), None),
+    'flag_1200k_stages_straightforward': ('flag_1200k', 1.0, 25, ('profile=1', 'overlap=off'), 'flag_1200k_stages'),
+    'flag_4100k_stages': ('flag_1200k', 1.85, 12, ('profile=1',), None),
     'flag_1200k_straightforward': ('flag_1200k', 1.0, 25, ('overlap=off',), 'flag_1200k'),
     'flag_1200k_whole': ('flag_1200k', 1.0, 25, ('exchange=whole',), 'flag_1200k'),
     'flag_1200k_launches': ('flag_1200k', 1.0, 25, ('exchange=launches',), 'flag_1200k'),
 }
 STAGES = ('predict', 'pairs', 'contact', 'effects', 'assemble', 'solve', 'ccd', 'commit')
 FIELDS = (['scene', 'devices', 'triangles', 'steps', 'hash', 'step_ms', 'speedup', 'pcg_iterations', 'solve_us_per_iteration',
-           'bytes_per_device'] + ['ms_' + stage for stage in STAGES])
+           'product_us', 'bytes_per_device'] + ['ms_' + stage for stage in STAGES])
 
 
 def devices_of(count, backend):
@@ -67,6 +70,7 @@ def run(cloth, name, count, backend, shrink):
             'bytes_per_device': median('memory_bytes') / count}
     line.update({'ms_' + stage: median('ms_' + stage) for stage in STAGES})
     line['solve_us_per_iteration'] = 1e3 * line['ms_solve'] / max(1, line['pcg_iterations'])
+    line['product_us'] = 1e3 * median('product_ms') / max(1, line['pcg_iterations'])
     return line
 
 
@@ -116,8 +120,9 @@ def main():
                     failed += 1
                 table.writerow({key: '%.6g' % line[key] if isinstance(line[key], float) else line[key] for key in FIELDS})
                 file.flush()
-                print('%-28s %2d devices  %8.3f ms a step, %5.2f times, %6.1f us an iteration, %6.3f GB a device  %s' %
-                      (name, count, line['step_ms'], line['speedup'], line['solve_us_per_iteration'],
+                print('%-34s %2d devices  %8.3f ms a step, %5.2f times, %6.1f us an iteration, %6.1f of it the product, '
+                      '%6.3f GB a device  %s' %
+                      (name, count, line['step_ms'], line['speedup'], line['solve_us_per_iteration'], line['product_us'],
                        line['bytes_per_device'] / 1e9, line['hash']), flush=True)
     return 1 if failed else 0
 

@@ -269,6 +269,29 @@ static int near_and_far(const char *precision)
 }
 BOTH(a_body_that_goes_away_takes_its_stages_along, near_and_far)
 
+// the time of the products is part of the solves', on one part and on two, and nobody looks at a
+// clock for it unasked
+static int timed(const char *precision)
+{
+  for (int n = 0; n < 4; n++) {
+    bool asked = n % 2 > 0;
+    sheet_make(&cloth, 0.3, 0.3, 12, 12);
+    cloth_def *def = def_new(precision);
+    def_set(def, "profile", asked ? "1" : "0");
+    def_set(def, "devices", n < 2 ? "cpu" : "cpu, cpu");
+    def_cloth(def, "sheet", &cloth, cloth_material_default(), pose_at(0, 0, 0));
+    cloth_scene *scene = scene_new(def);
+    static const int corner[1] = {0};
+    scene_hold(scene, 0, corner, 1, cloth_pose_identity());
+    cloth_step_report r = scene_step(scene, 3);
+    CHECK(r.pcg_iterations > 0);
+    CHECK(asked ? r.product_ms > 0 && r.product_ms <= r.ms[CLOTH_STAGE_solve] : r.product_ms == 0);
+    cloth_scene_free(scene);
+  }
+  return 0;
+}
+BOTH(products_are_timed_where_a_profile_is_asked_for, timed)
+
 int main(int argc, char **argv)
 {
   int failures = 0;
@@ -279,5 +302,6 @@ int main(int argc, char **argv)
   RUN(what_nothing_couples_moves_as_the_solver_would_have_it);
   RUN(a_flight_out_of_bounds_is_undone);
   RUN(a_body_that_goes_away_takes_its_stages_along);
+  RUN(products_are_timed_where_a_profile_is_asked_for);
   return failures > 0;
 }

@@ -27,7 +27,9 @@
 // In double and for contact itself (level 0), what this leaves as an impact is put to toi_close.h
 // once more: a 0 is then a proof for the coordinates exactly as given. In float, where 64 eps M of
 // a floor of 50 m is more than the clearance of what lies on it, one plane for the whole step is
-// tried in double; there 4 eps X is all that is left of the error.
+// tried in double; there 4 eps X is all that is left of the error, and not even that where a share
+// of the distance is asked for: then the coordinates are the state itself, not rounded from
+// another.
 //
 // Sources: B. Mirtich, Timewise Rigid Body Simulation, 2000 (conservative advancement); X. Zhang,
 // M. Lee, Y. Kim, Interactive Continuous Collision Detection for Non-Convex Polyhedra, 2006 (motion
@@ -149,45 +151,76 @@ CLOTH_FN cloth_real cloth_toi_separation(const cloth_toi_motion *m, const cloth_
 }
 
 #ifdef CLOTH_SINGLE_PRECISION
-// Smallest separation of the corners along n at x [m], in double; NaN if one is.
-CLOTH_FN double cloth_toi_separation_double(const cloth_v3 x[4], int split, cloth_v3 n)
+typedef struct cloth_toi_double3 {
+  double x, y, z;
+} cloth_toi_double3;
+
+CLOTH_FN cloth_toi_double3 cloth_toi_double3_between(cloth_v3 a, cloth_v3 b) // exact for near ones
 {
-  double nx = (double)n.x, ny = (double)n.y, nz = (double)n.z, least = 0;
-  double length = sqrt(nx * nx + ny * ny + nz * nz);
+  cloth_toi_double3 d = {(double)a.x - (double)b.x, (double)a.y - (double)b.y,
+                         (double)a.z - (double)b.z};
+  return d;
+}
+
+CLOTH_FN double cloth_toi_double3_dot(cloth_toi_double3 a, cloth_toi_double3 b)
+{
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// The normal of the face, or of both edges, at x, of any length.
+CLOTH_FN cloth_toi_double3 cloth_toi_double3_normal(const cloth_v3 x[4], int split)
+{
+  cloth_toi_double3 u = cloth_toi_double3_between(split == 1 ? x[2] : x[1], x[split == 1]);
+  cloth_toi_double3 v = cloth_toi_double3_between(x[3], split == 1 ? x[1] : x[2]);
+  cloth_toi_double3 n = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+  return n;
+}
+
+// Smallest separation along n of the corners at x [m], the second feature behind the first; NaN if
+// a coordinate is.
+CLOTH_FN double cloth_toi_separation_double(const cloth_v3 x[4], int split, cloth_toi_double3 n)
+{
+  double length = sqrt(cloth_toi_double3_dot(n, n)), least = 0;
   for (int i = 0; i < split; i++)
     for (int j = split; j < 4; j++) {
-      double h = nx * ((double)x[j].x - (double)x[i].x) + ny * ((double)x[j].y - (double)x[i].y) +
-                 nz * ((double)x[j].z - (double)x[i].z);
+      double h = cloth_toi_double3_dot(n, cloth_toi_double3_between(x[j], x[i]));
       if ((i == 0 && j == split) || (least == least && !(h >= least))) least = h;
     }
   return length > 0 ? least / length : -1;
 }
 
-// Does one of the planes that suggest themselves at the start keep the features apart for the whole
-// step? Along it the corners move in straight lines, so start and end tell. Within `error` [m], and
-// within the gap, they may not come nearer than they are: nearer than what the search itself can
-// tell, nothing could be told in the next step.
+// Does one plane keep the features apart for the whole step? Along it the corners move in straight
+// lines, so start and end tell. Tried are those of the face or of both edges at the start and at
+// the end, on either side, and those that the search would begin with.
 CLOTH_FN int cloth_toi_stays_apart(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
-                                   cloth_real gap, cloth_real share, cloth_real error)
+                                   cloth_real gap, cloth_real share)
 {
-  cloth_v3 x[4], n[2];
+  enum { PLANES = 6 };
+  cloth_v3 x[4], search[2];
   cloth_real size = 0;
   for (int p = 0; p < 4; p++) {
     x[p] = cloth_v3_sub(x_t0[p], x_t0[1]);
     size = cloth_toi_largest(x_t1[p], cloth_toi_largest(x_t0[p], size));
   }
-  cloth_toi_normals(x, split, n);
-  double start[2], kept = 0;
+  cloth_toi_normals(x, split, search);
+  cloth_toi_double3 n[PLANES];
+  n[0] = cloth_toi_double3_normal(x_t0, split);
+  n[1] = cloth_toi_double3_normal(x_t1, split);
   for (int c = 0; c < 2; c++) {
+    cloth_toi_double3 back = {-n[c].x, -n[c].y, -n[c].z};
+    cloth_toi_double3 first = {(double)search[c].x, (double)search[c].y, (double)search[c].z};
+    n[2 + c] = back, n[4 + c] = first;
+  }
+  double start[PLANES], kept = 0;
+  for (int c = 0; c < PLANES; c++) {
     start[c] = cloth_toi_separation_double(x_t0, split, n[c]);
     if (start[c] > kept) kept = start[c];
   }
-  double level = fmin((double)gap, (double)share * kept), told = fmin((double)gap, (double)error);
-  level += 4 * (double)CLOTH_REAL_EPSILON * (double)size;
-  for (int c = 0; c < 2; c++) {
-    double end = cloth_toi_separation_double(x_t1, split, n[c]);
-    if (start[c] > level && end > level && end >= fmin(told, start[c])) return 1;
-  }
+  double level = fmin((double)gap, (double)share * kept);
+  double rounding = share > 0 ? 64 * 2.2204460492503131e-16 : 4 * (double)CLOTH_REAL_EPSILON;
+  level += rounding * (double)size;
+  for (int c = 0; c < PLANES; c++)
+    if (start[c] > level && cloth_toi_separation_double(x_t1, split, n[c]) > level) return 1;
   return 0;
 }
 #endif
@@ -219,7 +252,7 @@ CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], in
     t = next;
   }
 #ifdef CLOTH_SINGLE_PRECISION
-  if (cloth_toi_stays_apart(x_t0, x_t1, split, gap, share, 2 * m.error)) return 0;
+  if (cloth_toi_stays_apart(x_t0, x_t1, split, gap, share)) return 0;
 #else
   if (level == 0 && !cloth_toi_close(x_t0, x_t1, split, t)) return 0;
 #endif

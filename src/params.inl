@@ -35,6 +35,7 @@ CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level|multilevel", "3x3 block 
 CLOTH_PARAM(int, threads, 0, "1", 0, 1024, "CPU threads; 0 takes what OpenMP finds")
 CLOTH_CHOICE(exchange, 0, "halo|whole|launches", "several devices: parts send what others read, or all they have, from within one kernel; or the solve goes launch by launch with copies of whole vectors")
 CLOTH_CHOICE(overlap, 1, "off|on", "several devices: rows that need no other part are multiplied while the others' numbers travel, or all wait")
+CLOTH_PARAM(double, rebalance, 1.1, "1", 0, 1e3, "several devices: where a part has more than so many times the mean of all parts' work, they are cut anew before long (doc/multi_gpu.md); 0: never")
 CLOTH_CHOICE(integrator, 0, "backward_euler|mass_spring|bdf2", "implicit, finite elements; explicit, particles and springs (doc/mass_spring.md); or implicit and of order 2 where nothing touches")
 CLOTH_PARAM(double, spring_step, 1e-3, "s", 0, 1e-1, "mass_spring: longest sub-step; above the stable limit it is refused; 0 takes 0.9 of the limit")
 CLOTH_CHOICE(spring_cut, 0, "equal|last_short", "mass_spring: a step's sub-steps are equal, or all but the last are spring_step long")

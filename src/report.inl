@@ -57,6 +57,8 @@ CLOTH_REPORT(double, deadline_miss_share, "1", "share of the last 500 steps that
 CLOTH_REPORT(double, wall_p50, "ms", "median of wall_ms over the last 500 steps")
 CLOTH_REPORT(double, wall_p99, "ms", "99th percentile of wall_ms over the last 500 steps")
 CLOTH_REPORT(double, wall_worst, "ms", "largest wall_ms of the last 500 steps")
+CLOTH_REPORT(double, work_worst, "1", "several devices: work of the part with most over the mean of all, counted (doc/multi_gpu.md); 1: the same, or one part")
+CLOTH_REPORT(int, recuts, "1", "times the parts were cut anew before this step, because their work had drifted apart")
 CLOTH_REPORT(uint64_t, memory_bytes, "B", "device memory held by the scene")
 CLOTH_REPORT(uint64_t, stages_skipped, "1", "bit i: stage i of stages.inl had nothing to do")
 CLOTH_REPORT(uint64_t, state_hash, "1", "of time, positions and velocities; 0 if not asked for")

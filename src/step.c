@@ -12,6 +12,7 @@
 #include "state/control.h"
 #include "state/cutting.h"
 #include "state/flight.h"
+#include "state/recut.h"
 #include "state/state.h"
 
 #include <math.h>
@@ -367,6 +368,15 @@ static void rescue(cloth_sim *sim)
   if (!all || go_back(sim, &ignored) != CLOTH_OK) sim->time = started ? sim->time_t0 : sim->time;
 }
 
+// parts with less to do may have waited long enough
+static cloth_status recut(cloth_sim *sim, cloth_error *err)
+{
+  cloth_status status = cloth_recut_if_due(sim, err);
+  if (status < 0 && sim->transport->ranks == 1) cloth_rescue_probe(sim);
+  for (int i = 0; i < sim->part_count; i++) sim->part[i].load = (cloth_work){0, 0, 0};
+  return status;
+}
+
 // the whole step by the integrator of the scene
 static cloth_status integrate(cloth_sim *sim, double h, cloth_outcome *result, cloth_error *err)
 {
@@ -431,6 +441,7 @@ static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cl
   cloth_outcome result = OUTCOME_GOOD;
   begin_report(sim, report, h);
   cloth_blocking_clear(sim);
+  CLOTH_TRY(recut(sim, err));
   for (int b = 0; b < sim->def->body_count; b++) {
     const cloth_body_def *d = &sim->def->body[b];
     if (!sim->body[b].told && cloth_motion_moves(&d->motion))
@@ -460,6 +471,7 @@ static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cl
   report->bodies_blocking = sim->blocking.count;
   report->holds_blocking = sim->blocking.hold_count;
   CLOTH_TRY(cloth_stretch_measure(sim, err));
+  cloth_recut_note(sim);
   sim->time += h;
   report->step = ++sim->step;
   report->time = sim->time;

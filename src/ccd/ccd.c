@@ -6,6 +6,7 @@
 #include "contact/pairs.h"
 #include "effect/effect.h"
 #include "impact_find.h"
+#include "state/recut.h"
 
 #include <stdlib.h>
 
@@ -57,6 +58,7 @@ static cloth_status grow_found(cloth_zones *z, int n, cloth_error *err)
 static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, cloth_error *err)
 {
   cloth_zone_part *z = &p->zone;
+  cloth_work_look(p);
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 2, err));
   cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                               .gap = (cloth_real)cloth_impact_gap(sim),

@@ -13,6 +13,7 @@
 #include "contact_place.h"
 #include "contact_row.h"
 #include "effect/effect.h"
+#include "state/recut.h"
 
 #include <limits.h>
 #include <math.h>
@@ -90,6 +91,7 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
 
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
+  cloth_work_look(p);
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 1, err));
   cloth_contact_find_args a = {cloth_contact_scene_of(sim, p), p->pair, p->contact,
                                p->contact_capacity, p->counter + COUNT_CONTACTS};

@@ -13,6 +13,7 @@
 #include "entry_work.h"
 #include "pair_large.h"
 #include "pair_share.h"
+#include "state/recut.h"
 #include "triangle_box.h"
 #include "vertex_box.h"
 #include "vertex_escape.h"
@@ -362,6 +363,7 @@ static cloth_status emit(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *er
   if (h->entries > 0)
     CLOTH_TRY(sim->backend->read(p->device, &units, p->work + h->entries, sizeof units, err));
   h->units = (int)units;
+  cloth_work_search(p, h->units);
   return emit_pairs(sim, p, h, err);
 }
 

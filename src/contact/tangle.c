@@ -116,6 +116,17 @@ cloth_status cloth_tangles_find(cloth_sim *sim, double share, cloth_error *err)
 
 // ---- what the step needs ------------------------------------------------------------------------
 
+cloth_status cloth_tangles_mark(cloth_sim *sim, cloth_part *p, cloth_error *err)
+{
+  size_t bytes = sizeof *sim->tangles.mark * (size_t)sim->vertex_count;
+  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
+                                                      : CLOTH_EFFECT_body_contact;
+  if (p->stray == NULL) CLOTH_TRY(cloth_take(sim, p, "stray", bytes, &p->stray, err));
+  CLOTH_TRY(sim->backend->write(p->device, p->stray, sim->tangles.mark, bytes, err));
+  sim->owner = CLOTH_CORE;
+  return CLOTH_OK;
+}
+
 cloth_status cloth_tangles_update(cloth_sim *sim, double share, cloth_error *err)
 {
   cloth_tangle_list *t = &sim->tangles;
@@ -129,15 +140,7 @@ cloth_status cloth_tangles_update(cloth_sim *sim, double share, cloth_error *err
     return CLOTH_OK;
   }
   CLOTH_TRY(cloth_stray_find(sim, err));
-  size_t bytes = sizeof *t->mark * (size_t)sim->vertex_count;
-  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
-                                                      : CLOTH_EFFECT_body_contact;
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    if (p->stray == NULL) CLOTH_TRY(cloth_take(sim, p, "stray", bytes, &p->stray, err));
-    CLOTH_TRY(sim->backend->write(p->device, p->stray, t->mark, bytes, err));
-  }
-  sim->owner = CLOTH_CORE;
+  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(cloth_tangles_mark(sim, &sim->part[i], err));
   return CLOTH_OK;
 }
 

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 struct cloth_sim;
+struct cloth_part;
 
 /// A pair of triangles that intersect.
 typedef struct cloth_tangle {
@@ -44,6 +45,9 @@ cloth_status cloth_tangles_find(struct cloth_sim *sim, double share, cloth_error
 
 /// If the state is not known to be free: find, and make ready what the step needs to know of it.
 cloth_status cloth_tangles_update(struct cloth_sim *sim, double share, cloth_error *err);
+
+/// Which vertices have strayed, as last found, to a part.
+cloth_status cloth_tangles_mark(struct cloth_sim *sim, struct cloth_part *part, cloth_error *err);
 
 /// The state was changed other than by a step that left no impacts: it may intersect.
 void cloth_tangles_suspect(struct cloth_sim *sim);

@@ -21,7 +21,7 @@
 #include "pcg_start.h"
 #include "pcg_update.h"
 #include "solve/hats.h"
-#include "state/sim.h"
+#include "state/recut.h"
 
 #include <math.h>
 
@@ -375,7 +375,9 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
   double relative = bb > 0 ? sqrt(rr / bb) : 0;
   cloth_step_report *report = sim->report;
   report->newton_iterations++;
-  report->pcg_iterations += (int)scalar[CLOTH_PCG_ITERATIONS];
+  int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
+  report->pcg_iterations += iterations;
+  for (int i = 0; i < sim->part_count; i++) cloth_work_solve(sim, &sim->part[i], iterations);
   report->pcg_unconverged += !(scalar[CLOTH_PCG_DONE] > 0);
   if (!(relative <= report->pcg_residual)) report->pcg_residual = relative;
   *correction = (double)scalar[CLOTH_PCG_LARGEST];

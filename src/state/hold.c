@@ -12,9 +12,20 @@
 
 // ---- memory -------------------------------------------------------------------------------------
 
-cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_error *err)
+static cloth_status take_room(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
   int bodies = sim->def->body_count > 0 ? sim->def->body_count : 1;
+  size_t n = (size_t)sim->held_capacity;
+  if (part->target == NULL)
+    CLOTH_TRY(cloth_take(sim, part, "target", sizeof(cloth_real) * 3 * (size_t)sim->vertex_count,
+                         &part->target, err));
+  CLOTH_TRY(cloth_grow(sim, part, "held", sizeof(int) * n, &part->held, err));
+  CLOTH_TRY(cloth_grow(sim, part, "aim", sizeof(cloth_real) * 6 * n, &part->aim, err));
+  return cloth_grow(sim, part, "ignore", (size_t)(sim->hold_capacity * bodies), &part->ignore, err);
+}
+
+cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_error *err)
+{
   bool more_holds = holds > sim->hold_capacity, more_vertices = vertices > sim->held_capacity;
   if (more_holds) {
     int capacity = holds < 8 ? 8 : 2 * holds;
@@ -31,17 +42,7 @@ cloth_status cloth_holds_reserve(cloth_sim *sim, int holds, int vertices, cloth_
   }
   if (!more_holds && !more_vertices) return CLOTH_OK;
   sim->owner = CLOTH_EFFECT_pins;
-  for (int p = 0; p < sim->part_count; p++) {
-    cloth_part *part = &sim->part[p];
-    size_t n = (size_t)sim->held_capacity;
-    if (part->target == NULL)
-      CLOTH_TRY(cloth_take(sim, part, "target", sizeof(cloth_real) * 3 * (size_t)sim->vertex_count,
-                           &part->target, err));
-    CLOTH_TRY(cloth_grow(sim, part, "held", sizeof(int) * n, &part->held, err));
-    CLOTH_TRY(cloth_grow(sim, part, "aim", sizeof(cloth_real) * 6 * n, &part->aim, err));
-    CLOTH_TRY(
-        cloth_grow(sim, part, "ignore", (size_t)(sim->hold_capacity * bodies), &part->ignore, err));
-  }
+  for (int p = 0; p < sim->part_count; p++) CLOTH_TRY(take_room(sim, &sim->part[p], err));
   sim->owner = CLOTH_CORE;
   return CLOTH_OK;
 }
@@ -84,6 +85,23 @@ static cloth_status write_flags(cloth_sim *sim, cloth_part *part, cloth_error *e
   return CLOTH_OK;
 }
 
+static cloth_status write_list(cloth_sim *sim, cloth_part *part, cloth_error *err)
+{
+  CLOTH_TRY(write_flags(sim, part, err));
+  return sim->backend->write(part->device, part->held, sim->held_index,
+                             sizeof(int) * (size_t)sim->held_count, err);
+}
+
+cloth_status cloth_holds_take(cloth_sim *sim, cloth_part *part, cloth_error *err)
+{
+  if (sim->held_capacity == 0) return CLOTH_OK;
+  sim->owner = CLOTH_EFFECT_pins;
+  CLOTH_TRY(take_room(sim, part, err));
+  CLOTH_TRY(write_list(sim, part, err));
+  sim->owner = CLOTH_CORE;
+  return CLOTH_OK;
+}
+
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err)
 {
   sim->held_count = sim->compliant_count = 0;
@@ -98,13 +116,8 @@ cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err)
     sim->compliant_count += !hold->rigid;
   }
   sim->owner = CLOTH_EFFECT_pins;
-  for (int p = 0; p < sim->part_count; p++) {
-    cloth_part *part = &sim->part[p];
-    if (part->held == NULL) continue;
-    CLOTH_TRY(write_flags(sim, part, err));
-    CLOTH_TRY(sim->backend->write(part->device, part->held, sim->held_index,
-                                  sizeof(int) * (size_t)sim->held_count, err));
-  }
+  for (int p = 0; p < sim->part_count; p++)
+    if (sim->part[p].held != NULL) CLOTH_TRY(write_list(sim, &sim->part[p], err));
   sim->owner = CLOTH_CORE;
   return CLOTH_OK;
 }

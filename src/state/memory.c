@@ -110,6 +110,11 @@ void cloth_drop(cloth_sim *sim, cloth_part *part, int owner)
     if (part->block[i].owner == owner) forget(sim, part, i);
 }
 
+void cloth_drop_all(cloth_sim *sim, cloth_part *part)
+{
+  while (part->block_count > 0) forget(sim, part, part->block_count - 1);
+}
+
 double cloth_now_ms(void)
 {
   struct timespec t;

@@ -14,7 +14,7 @@ bool cloth_rescue_probe(cloth_sim *sim)
 {
   bool all = true;
   for (int i = 0; i < sim->part_count; i++) {
-    sim->part[i].lost = !answers(sim, &sim->part[i]);
+    sim->part[i].lost = sim->part[i].lost || !answers(sim, &sim->part[i]);
     all &= !sim->part[i].lost;
   }
   return all;

@@ -59,12 +59,18 @@ typedef struct cloth_elements {
   int *first, *corner, *slot; // incidence of rows, see assemble_row.h
 } cloth_elements;
 
+/// What a part had to do in a step, in products of a 3x3 block with a vector (state/recut.h).
+typedef struct cloth_work {
+  double rows, contacts, pairs;
+} cloth_work;
+
 /// What one part holds. Device memory, except the counts.
 typedef struct cloth_part {
   cloth_device *device;
   int index;
   bool lost;          // its device answers no more (state/rescue.c)
   int v0, v1;         // owned vertices
+  cloth_work load;    // of this step so far, or of the last one
   cloth_block *block; // every allocation, for freeing and accounting
   int block_count, block_capacity;
 
@@ -204,6 +210,13 @@ typedef struct cloth_flat {
   int level_first[CLOTH_FLAT_LEVELS + 1];
 } cloth_flat;
 
+/// When parts are cut anew (state/recut.h).
+typedef struct cloth_recut {
+  double waited; // steps' worth of work that parts have waited for the one with most
+  double worst;  // work of that one in the last step
+  bool refused;  // another cut did not fit into a device's memory: no more of it
+} cloth_recut;
+
 /// Integrator bdf2 (state/bdf2.h).
 enum { CLOTH_BACKWARD_EULER = 0, CLOTH_BDF2 = 2 }; // a choice of the parameter `integrator`
 typedef struct cloth_bdf2 {
@@ -257,6 +270,7 @@ struct cloth_sim {
   int part_count;
   bool joined; // the parts solve together, in each other's memory: pcg_part.h
   cloth_part part[CLOTH_DEVICES_MAX];
+  cloth_recut recut;
 
   // numbering
   int vertex_count, all_vertices;
@@ -364,6 +378,7 @@ cloth_status cloth_upload_real(cloth_sim *sim, cloth_part *part, const char *nam
 
 /// Free everything that an owner holds on a part.
 void cloth_drop(cloth_sim *sim, cloth_part *part, int owner);
+void cloth_drop_all(cloth_sim *sim, cloth_part *part); // whoever holds it
 
 /// Launch on a part, counted for sim->owner. n == 0 launches nothing.
 cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
@@ -529,6 +544,7 @@ void cloth_pose_point(const cloth_pose *pose, const double p[3], double out[3]);
 void cloth_pose_matrix(const cloth_pose *pose, cloth_real out[12]);
 cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
+cloth_status cloth_holds_take(cloth_sim *sim, cloth_part *part, cloth_error *err); // of a new part
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual
 /// Clears the hold's wrench; false if nothing is held. *frame: where the hold is at the substep's

@@ -92,12 +92,12 @@ def is_time(column):
     return column.startswith("ms_") or column == "wall_ms"
 
 
-def compare(tmp, name, counts):
+def compare(tmp, name, counts, steps=10):
     """Reports of n processes equal those of n parts of one process but for times, meshes byte for byte, and
     all hashes those of one part."""
     text, more = RUNS[name]
     scene = write(tmp, "s.yaml", text) if text else os.path.join(SCENES, name + ".yaml")
-    args = ["run", scene, "--backend", "cpu", "--hash", "--mesh-every", "5", "--steps", "10"] + more
+    args = ["run", scene, "--backend", "cpu", "--hash", "--mesh-every", "5", "--steps", str(steps)] + more
     one = alone(args + ["--out", "one"], tmp)
     check(one.returncode == 0, one.stderr)
     for n in counts:
@@ -151,6 +151,26 @@ def free_flight_is_the_same(tmp):
 def more_processes_than_chunks_is_the_same(tmp):
     RUNS["small"] = (SHEETS.replace("[13, 13]", "[4, 4]"), [])
     compare(tmp, "small", (4,))
+
+
+def parts_are_cut_anew_in_all_processes_alike(tmp):
+    # what lies in layers is in the first parts, and what falls, without contacts, in the last
+    layers = "".join("""\
+  - name: layer%d
+    grid: {size: [0.2, 0.2], resolution: [13, 13]}
+    pose: {position: [0, 0, %g]}
+""" % (i, 0.003 * i) for i in (1, 2, 3)) + """\
+  - name: apart
+    grid: {size: [0.2, 0.2], resolution: [19, 19]}
+    pose: {position: [0, 0, 10]}
+"""
+    apart = SHEETS[:SHEETS.index("cloths:")] + "cloths:\n" + layers
+    RUNS["drifting"] = (apart, [])
+    report = compare(tmp, "drifting", (2, 3), steps=30)
+    check(all(r["recuts"] == "0" and float(r["work_worst"]) == 1 for r in report), "one part was cut anew")
+    for n in (2, 3):
+        parts = rows(tmp + "/parts%d/report.csv" % n)
+        check(total(parts, "recuts") > 0, [r["work_worst"] for r in parts])
 
 
 def without_mpirun_it_is_one_part(tmp):
@@ -290,6 +310,7 @@ CASES = [needs_mpi(case) for case in (
     mass_spring_is_the_same,
     free_flight_is_the_same,
     more_processes_than_chunks_is_the_same,
+    parts_are_cut_anew_in_all_processes_alike,
     without_mpirun_it_is_one_part,
     a_recording_of_two_processes_replays_in_one,
     a_time_budget_chooses_the_same_everywhere,

@@ -67,6 +67,7 @@ Entry engineEntry(const Health &h, const std::string &node)
   if (h.report.tangles > 0)
     e.raise(DiagnosticStatus::WARN, std::to_string(h.report.tangles) +
                                         " pairs of triangles intersect (parameter untangle)");
+  if (!h.fell_back.empty()) e.raise(DiagnosticStatus::WARN, h.fell_back);
   if (h.lost) e.raise(DiagnosticStatus::ERROR, "the scene is lost: " + h.last_failure);
   e.value("step", h.report.step);
   e.value("wall [ms]", h.report.wall_ms);

@@ -7,6 +7,7 @@
 CLOTH_SETTING(string, scene_file, "scene", "", "file", 0, 0, "scene file (YAML) with cloth, table, materials; required")
 CLOTH_SETTING(string, world_frame, "world_frame", "world", "frame", 0, 0, "tf frame that is the scene's frame")
 CLOTH_SETTING(string, state_folder, "state_folder", "", "folder", 0, 0, "where ~save_state writes; empty: $ROS_HOME/robot_cloth or ~/.ros/robot_cloth")
+CLOTH_SETTING(double, keep_every, "keep_every", 1, "s", 0, 3600, "on a GPU chosen by `backend: auto`: wall time after which the state is kept again, to go on from it should the GPU be lost; 0: never")
 CLOTH_SETTING(double, run_duration, "run_duration", 0, "s", 0, 1e9, "simulated time after which the node prints its summary and ends; 0: never")
 
 // robot

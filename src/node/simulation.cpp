@@ -34,7 +34,7 @@ void Simulation::follow()
   outputs_->follow(*world_);
   fcl_.reset();
   report_ = {};
-  settled_ = false;
+  settled_ = kept_ = lost_ = false;
   touched_ = true;
   warnTangles();
 }
@@ -96,7 +96,7 @@ ros::Time Simulation::stamp() const
 
 bool Simulation::turn()
 {
-  if (paused_ || finished_ || clock_.lockstep()) return false;
+  if (paused_ || finished_ || lost_ || clock_.lockstep()) return false;
   std::string why;
   if (settings_.wait_for_robot && world_->robot && !motion_.robotKnown() &&
       !motion_.take(clock_.now(), true, &why)) {
@@ -152,6 +152,10 @@ bool Simulation::step(double end, bool latest, std::string *why)
 {
   const double start = ros::SteadyTime::now().toSec();
   std::string waits;
+  if (lost_) {
+    *why = "the scene is lost: " + last_failure_ + "; ~reload_model starts anew";
+    return false;
+  }
   if (!motion_.take(end, latest, &waits))
     ROS_WARN_STREAM_THROTTLE(5, "robot not in the scene: " << waits);
   if (!clock_.lockstep() && motion_.robotKnown() && !motion_.knownAt(end))
@@ -168,6 +172,7 @@ bool Simulation::step(double end, bool latest, std::string *why)
   grasping_.noticeBroken();
   grasping_.runGrippers();
   summary_.add(report_, ros::SteadyTime::now().toSec() - start);
+  keep();
   publish(true);
   if (settings_.crosscheck_every > 0 && report_.step % settings_.crosscheck_every == 0 &&
       checker_->idle())
@@ -187,9 +192,7 @@ bool Simulation::refused(cloth_status status, const cloth_error &err, std::strin
   motion_.forgetPlacement(); // whatever the bodies did, they do not sweep there again
   settled_ = false;
   if (status < 0) {
-    ROS_FATAL_STREAM("the scene is lost: " << err.text);
-    event("fallback", "", "the scene is lost: " + *why);
-    lost_ = finished_ = true;
+    lose(err, why);
     return false;
   }
   event("rollback", "", *why + "; the state is that of before the step");
@@ -343,7 +346,7 @@ std::string Simulation::summary() const
 Health Simulation::health() const
 {
   Health h;
-  h.paused = paused_, h.paused_why = paused_why_, h.lost = lost_;
+  h.paused = paused_, h.paused_why = paused_why_, h.lost = lost_, h.fell_back = fell_back_;
   h.waiting_for_clock = clock_.waitingForClock();
   h.robot_waits_for = world_->robot ? motion_.waitingFor() : "";
   h.last_failure = last_failure_;

@@ -27,6 +27,7 @@ struct Answer {
 struct Health {
   bool paused = false, waiting_for_clock = false, lost = false;
   std::string paused_why, robot_waits_for, last_failure;
+  std::string fell_back; // why the CPU stands in for a GPU; empty: it does not
   double real_time_factor = 0, skipped = 0, lag = 0;
   std::vector<std::string> blocking; // bodies and holds that leave the cloth no room, by name
   uint64_t teleports = 0, failures = 0, mailbox_lost = 0;
@@ -45,7 +46,9 @@ public:
   bool turn();
 
   /// One step whose end is at this time of the inputs [s]. latest: take tf's newest. On failure the
-  /// state is that of before; after failures_max in a row the simulation pauses.
+  /// state is that of before; after failures_max in a row the simulation pauses. When a GPU is lost
+  /// that `backend: auto` chose, the CPU goes on from the last state that there is; when nothing
+  /// can go on, the simulation waits for reload().
   bool step(double end, bool latest, std::string *why);
 
   /// Serve a waiting cross-check, and publish what a service has changed. Between steps.
@@ -73,7 +76,7 @@ public:
   double time() const { return cloth_time(world_->scene.get()); }
   ros::Time stamp() const;
   bool paused() const { return paused_; }
-  bool finished() const { return finished_; } // run_duration is over, or the scene is lost
+  bool finished() const { return finished_; } // run_duration is over, or cannot be reached
   bool lost() const { return lost_; }
   std::string summary() const;
   uint64_t stepsTaken() const { return summary_.steps(); }
@@ -83,6 +86,10 @@ private:
   void follow();
   void jumpBack();
   bool refused(cloth_status status, const cloth_error &err, std::string *why);
+  void lose(const cloth_error &err, std::string *why);
+  bool goOnOnCpu(const std::string &path, bool saved, std::string *why);
+  void keep();
+  std::string keptName() const;
   void publish(bool stepped);
   void readCloths(const Outputs::Wanted &wanted, Snapshot *s);
   void readContacts(Snapshot *s);
@@ -111,7 +118,9 @@ private:
   bool settled_ =
       false; // the bodies' last step ended where this one begins (no pause, jump or reset between)
   double last_end_ = 0;
-  std::string paused_why_, checkpoint_, last_failure_;
+  double kept_at_ = 0, keeping_took_ = 0; // wall clock, s
+  bool kept_ = false;                     // there is a state of this world to go back to
+  std::string paused_why_, checkpoint_, last_failure_, fell_back_;
   int failures_in_a_row_ = 0;
   uint64_t failures_ = 0;
 };

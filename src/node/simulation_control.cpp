@@ -1,6 +1,7 @@
 // What changes a running simulation from outside: pause, reset, states, reload, obstacles.
 #include "simulation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -113,10 +114,91 @@ Answer Simulation::reload()
   }
   world_.swap(fresh);
   follow();
+  fell_back_.clear();
   failures_in_a_row_ = 0;
   clock_.restart();
   changed("reload", settings_.scene_file);
   return {true, "scene and robot were read anew"};
+}
+
+// ---- a device that is lost ---------------------------------------------------------------------
+
+std::string Simulation::keptName() const
+{
+  std::string name = "last_good" + ns_;
+  std::replace(name.begin(), name.end(), '/', '_');
+  return name;
+}
+
+// what a lost GPU held is gone; at most a fiftieth of the time goes into this
+void Simulation::keep()
+{
+  const double now = ros::SteadyTime::now().toSec();
+  const double pause = std::max(settings_.keep_every, 50 * keeping_took_);
+  if (!world_->may_be_lost || settings_.keep_every == 0 || (kept_ && now - kept_at_ < pause))
+    return;
+  std::string path, why;
+  cloth_error err = {};
+  kept_ = statePath(keptName(), &path, &why) &&
+          cloth_state_save(scene(), path.c_str(), &err) == CLOTH_OK &&
+          grasping_.save(path + ".grasps");
+  if (!kept_) ROS_WARN_STREAM_THROTTLE(60, "the state cannot be kept: " << why << err.text);
+  kept_at_ = ros::SteadyTime::now().toSec();
+  keeping_took_ = kept_at_ - now;
+}
+
+// the engine takes no further step, but may still know its last state
+void Simulation::lose(const cloth_error &err, std::string *why)
+{
+  std::string path, no_path;
+  cloth_error unsaved = {};
+  const bool has_path = statePath(keptName(), &path, &no_path);
+  const bool saved = has_path && cloth_state_save(scene(), path.c_str(), &unsaved) == CLOTH_OK &&
+                     grasping_.save(path + ".grasps");
+  *why = err.text;
+  const bool device = err.status == CLOTH_DEVICE_LOST || err.status == CLOTH_NO_MEMORY;
+  if (device && world_->may_be_lost && goOnOnCpu(saved || kept_ ? path : "", saved, why)) return;
+  lost_ = true;
+  if (settings_.run_duration > 0) finished_ = true; // somebody waits for its end
+  if (saved || kept_)
+    *why += "; its last state" + std::string(saved ? "" : " that was kept") + " is in " + path;
+  last_failure_ = *why;
+  ROS_FATAL_STREAM("the scene is lost: " << *why << "; ~reload_model starts anew");
+  event("fallback", "", "the scene is lost: " + *why);
+  touched_ = false; // nobody knows what it would tell
+}
+
+bool Simulation::goOnOnCpu(const std::string &path, bool saved, std::string *why)
+{
+  const double lost_at = time();
+  std::unique_ptr<World> fresh;
+  cloth_error err = {};
+  try {
+    fresh = loadWorld(settings_, nh_, ns_, true);
+  } catch (const StartError &e) {
+    *why += std::string("; the CPU cannot stand in: ") + e.what();
+    return false;
+  }
+  world_.swap(fresh);
+  follow();
+  const bool loaded = !path.empty() && cloth_state_load(scene(), path.c_str(), &err) == CLOTH_OK;
+  if (loaded)
+    grasping_.load(path + ".grasps");
+  else
+    cloth_reset(scene(), nullptr);
+  motion_.forgetPlacement();
+  failures_in_a_row_ = 0;
+  clock_.restart();
+  const std::string from = !loaded
+                               ? std::string(" from the start: no state was left")
+                               : " from its " + std::string(saved ? "last" : "kept") +
+                                     " state at " + std::to_string(time()) + " s (" + path + ")";
+  fell_back_ =
+      "the GPU failed at " + std::to_string(lost_at) + " s (" + *why + "); the CPU goes on" + from;
+  *why = fell_back_;
+  ROS_ERROR_STREAM(fell_back_);
+  changed("fallback", fell_back_);
+  return true;
 }
 
 Answer Simulation::setObstacle(const std::string &name, const std::string &frame,

@@ -107,7 +107,7 @@ int World::findCloth(const std::string &name, std::string *why) const
 }
 
 std::unique_ptr<World> loadWorld(const Settings &s, const ros::NodeHandle &nh,
-                                 const std::string &ns)
+                                 const std::string &ns, bool on_cpu)
 {
   auto world = std::make_unique<World>();
   cloth_error err = {};
@@ -116,6 +116,9 @@ std::unique_ptr<World> loadWorld(const Settings &s, const ros::NodeHandle &nh,
     throw StartError("parameter " + ns + "/scene: " + err.text);
   const DefPtr def(loaded);
   world->parameters = applyParams(s, ns, def.get());
+  if (on_cpu && (cloth_def_set(def.get(), "backend", "cpu", &err) != CLOTH_OK ||
+                 cloth_def_set(def.get(), "devices", "cpu", &err) != CLOTH_OK))
+    throw StartError(err.text);
   world->time_step = cloth_def_params(def.get())->time_step;
   if (s.use_robot) {
     world->robot = readRobot(s, nh, ns);
@@ -131,6 +134,8 @@ std::unique_ptr<World> loadWorld(const Settings &s, const ros::NodeHandle &nh,
   if (cloth_scene_new(def.get(), &scene, &err) != CLOTH_OK)
     throw StartError("scene " + s.scene_file + ": " + err.text);
   world->scene.reset(scene);
+  world->may_be_lost = std::string(cloth_backend_of(scene)) != "cpu" &&
+                       std::string(cloth_backend_why(scene)) != "asked for"; // by backend: auto
   cloth_scene_hash_steps(scene, s.hash_steps);
   ROS_INFO_STREAM("backend " << cloth_backend_of(scene) << " (" << cloth_backend_why(scene) << ")");
   for (int i = 0; i < cloth_count(scene); i++)

@@ -21,6 +21,7 @@ struct LinkBody {
 struct World {
   ScenePtr scene;
   double time_step = 0;                    // s
+  bool may_be_lost = false;                // on a device that the CPU can stand in for
   std::shared_ptr<const RobotModel> robot; // null: none
   std::vector<LinkBody> links;
   std::vector<std::string> parameters; // one line each, for ~get_info
@@ -34,14 +35,15 @@ struct World {
   std::vector<std::string> clothNames() const;
 };
 
-/// An effect for logs: active or not, why, its memory and, after some steps, the time of its kernels.
+/// An effect for logs: active or not, why, its memory and, after some steps, the time of its
+/// kernels.
 std::string effectText(const cloth_effect_info &effect, uint64_t steps);
 
 /// Read the scene file and robot_description and build everything. Blocks for mesh files and, for
 /// at most robot_timeout of wall time, for robot_description. StartError names what to fix; nothing
-/// is left behind.
+/// is left behind. on_cpu: whatever the scene and ~params say of backend and devices.
 std::unique_ptr<World> loadWorld(const Settings &settings, const ros::NodeHandle &nh,
-                                 const std::string &ns);
+                                 const std::string &ns, bool on_cpu = false);
 
 /// Where links wait until the robot's first valid pose: below everything, out of every cloth's way.
 cloth_pose parkedPose(int link);

@@ -11,12 +11,17 @@ find_program(ROSTEST NAMES rostest)
 if(NOT ROSTEST)
   return()
 endif()
-foreach(name towel lockstep time inputs start nodelet)
+add_library(lose_device MODULE ${CLOTH_NODE_TESTS}/lose_device.c)
+target_include_directories(lose_device PRIVATE ${PROJECT_SOURCE_DIR}/src)
+target_link_libraries(lose_device PRIVATE ${CMAKE_DL_LIBS})
+foreach(name towel lockstep time inputs start lost nodelet)
   # --text: rostest would hide the names of the single tests; its exit code is then no good, the text is
   add_test(NAME node_${name} COMMAND ${CLOTH_NODE_TESTS}/run_rostest.sh ${CMAKE_BINARY_DIR} ${PYTHON_EXECUTABLE}
            ${ROSTEST} ${CLOTH_NODE_TESTS}/${name}.test)
   set_tests_properties(node_${name} PROPERTIES RUN_SERIAL TRUE TIMEOUT 240)
 endforeach()
+
+set_tests_properties(node_lost PROPERTIES ENVIRONMENT CLOTH_LOSE_DEVICE=$<TARGET_FILE:lose_device>)
 
 # everything once more from an installed tree
 add_test(NAME node_install COMMAND ${CLOTH_NODE_TESTS}/install_space.sh ${CMAKE_BINARY_DIR} ${PYTHON_EXECUTABLE} ${ROSTEST})

@@ -24,7 +24,7 @@ run() { # name, then the command; its output counts as failed if it fails, skips
   if [ $status -ne 0 ] || echo "$output" | grep -qE "^(FAIL|skip)|SUMMARY: [1-9]|RESULT: FAIL"; then failed=$((failed + 1)); fi
 }
 
-for test in backend_cuda_f32 backend_cuda_f64 engine_determinism engine_mass_spring_bits; do run $test "$(program $test)"; done
+for test in backend_cuda_f32 backend_cuda_f64 solve_recut_f32 solve_recut_f64 engine_determinism engine_mass_spring_bits; do run $test "$(program $test)"; done
 limit=1200 # 10,000 steps of four parts that share a GPU
 run engine_crumple "$(program engine_crumple)"
 limit=300

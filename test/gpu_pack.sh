@@ -22,7 +22,7 @@ mv "$stage$(sed -n 's/^CMAKE_INSTALL_PREFIX:PATH=//p' "$build/CMakeCache.txt")" 
 grep -rlI '^#!/usr/bin/python3' "$out/install" | xargs -r sed -i '1s,^#!/usr/bin/python3,#!/usr/bin/env python3,'
 
 for program in cloth libcloth.so libcloth_f32.so libcloth_f64.so; do cp "$build/$program" "$out/programs/"; done
-for program in backend_cuda_f32 backend_cuda_f64 engine_determinism engine_mass_spring_bits engine_crumple check_meshes; do
+for program in backend_cuda_f32 backend_cuda_f64 solve_recut_f32 solve_recut_f64 engine_determinism engine_mass_spring_bits engine_crumple check_meshes; do
   found=$(find "$build" -name "$program" -type f -perm -u+x | head -n 1)
   [ -z "$found" ] || cp "$found" "$out/programs/test/"
 done

@@ -22,9 +22,9 @@
 #define PAIR_TEST      9  // of two triangles that share a cell
 #define PAIR_LOOK      30 // at a candidate: its distance, or its time of impact
 
-// What a cut costs, in steps: the host makes the rows of every part anew, 4 to 8 us a vertex, which
-// is a step or two of a CPU (ten, so that a passing moment is let pass) and by that some thousand
-// of a GPU. Parts wait for so long before it is made (as one rents skis until the rent has come to
+// What a cut costs, in steps: the host makes the rows of every part anew, 8 us a vertex, which is
+// one step of a CPU (ten, so that a passing moment is let pass) and by that some thousand of a GPU.
+// Parts wait for so long before it is made (as one rents skis until the rent has come to
 // their price), so that whatever the work does, waiting and cutting cost at most twice the least
 // they could.
 enum { COST_ON_CPU = 10, COST_ON_GPU = 1000 };

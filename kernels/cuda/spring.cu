@@ -290,7 +290,8 @@ __device__ void look_around(const cloth_spring_block_args &b, int i, int from, i
   for (int k = from; k < 27; k += step) {
     int x = c.x + k % 3 - 1, y = c.y + k / 3 % 3 - 1, z = c.z + k / 9 - 1;
     for (uint32_t j = b.head[cloth_bin_place(&b.find.bins, x, y, z)]; j != NOBODY; j = b.next[j])
-      if (cloth_bin_is_near(&b.find, i, p, x, y, z, (int)j)) found((int)j);
+      if (cloth_bin_is_near(&b.find.bins, i, p, x, y, z, (int)j, cloth_v3_load(b.x, (int)j)))
+        found((int)j);
   }
 }
 
@@ -365,6 +366,7 @@ __device__ void run(const cloth_spring_block_args &args, cell *cells, Together g
     insert(args);
     g.sync();
     find(args, row, stride, mine);
+    if (b.count == 1) g.sync(); // the only sub-step writes what others still search
   }
   mine.load(args, row, now);
   for (int k = 0; k < b.count; k++) {

@@ -23,13 +23,13 @@ CLOTH_FN int cloth_bin_same(cloth_bin a, int x, int y, int z)
   return a.x == x && a.y == y && a.z == z;
 }
 
-/// Is particle j, which lies in the place of cell (x, y, z), a candidate of particle i at p?
-CLOTH_FN int cloth_bin_is_near(const cloth_bin_search_args *a, int i, cloth_v3 p, int x, int y,
-                               int z, int j)
+/// Is particle j at q, which lies in the place of cell (x, y, z), a candidate of particle i at p?
+CLOTH_FN int cloth_bin_is_near(const cloth_bins *b, int i, cloth_v3 p, int x, int y, int z, int j,
+                               cloth_v3 q)
 {
-  cloth_v3 q = cloth_v3_load(a->x, j), d = cloth_v3_sub(p, q);
-  if (!(cloth_v3_dot(d, d) < a->bins.reach * a->bins.reach) || j == i) return 0;
-  return cloth_bin_same(cloth_bin_of(&a->bins, q), x, y, z); // not another cell in the same place
+  cloth_v3 d = cloth_v3_sub(p, q);
+  if (!(cloth_v3_dot(d, d) < b->reach * b->reach) || j == i) return 0;
+  return cloth_bin_same(cloth_bin_of(b, q), x, y, z); // not another cell in the same place
 }
 
 /// Put j where it belongs in list[0, n), which is ascending; what does not fit is counted only.
@@ -48,9 +48,11 @@ CLOTH_FN uint32_t cloth_bin_visit(const cloth_bin_search_args *a, int i, cloth_v
                                   int z, uint32_t n, uint32_t *list)
 {
   uint32_t place = cloth_bin_place(&a->bins, x, y, z);
-  for (uint32_t e = a->start[place]; e < a->start[place + 1]; e++)
-    if (cloth_bin_is_near(a, i, p, x, y, z, (int)a->particle[e]))
-      n = cloth_bin_insert(a, a->particle[e], n, list);
+  for (uint32_t e = a->start[place]; e < a->start[place + 1]; e++) {
+    int j = (int)a->particle[e];
+    if (cloth_bin_is_near(&a->bins, i, p, x, y, z, j, cloth_v3_load(a->x, j)))
+      n = cloth_bin_insert(a, (uint32_t)j, n, list);
+  }
   return n;
 }
 

@@ -28,16 +28,29 @@ typedef struct cloth_particles {
   const cloth_real *mass;   // [count] kg
 } cloth_particles;
 
+/// Distance [m] below which particles i and j push each other.
+CLOTH_FN cloth_real cloth_particle_apart(const cloth_particles *p, int i, int j)
+{
+  cloth_real rest =
+      cloth_v3_length(cloth_v3_sub(cloth_v3_load(p->x_rest, i), cloth_v3_load(p->x_rest, j)));
+  return rest < p->diameter ? rest : p->diameter;
+}
+
+/// Are particles nearer than `most`, with d from one to the other? At no distance they have no
+/// direction to push.
+CLOTH_FN int cloth_particle_nearer(cloth_v3 d, cloth_real most)
+{
+  cloth_real d_sq = cloth_v3_dot(d, d);
+  return d_sq < most * most && d_sq > 0;
+}
+
 /// Distance [m] below which particles i and j push each other, with d from j to i; 0 where they do
 /// not touch.
 CLOTH_FN cloth_real cloth_particle_touch(const cloth_particles *p, int i, int j, cloth_v3 d)
 {
-  cloth_real most = p->diameter, d_sq = cloth_v3_dot(d, d);
-  if (!(d_sq < most * most)) return 0;
-  cloth_real rest =
-      cloth_v3_length(cloth_v3_sub(cloth_v3_load(p->x_rest, i), cloth_v3_load(p->x_rest, j)));
-  if (rest < most) most = rest;
-  return d_sq < most * most && d_sq > 0 ? most : 0;
+  if (!cloth_particle_nearer(d, p->diameter)) return 0; // most are not: nothing else is read
+  cloth_real most = cloth_particle_apart(p, i, j);
+  return cloth_particle_nearer(d, most) ? most : 0;
 }
 
 /// Force [N] of particle j on particle i that touch; w: velocity of i against j.

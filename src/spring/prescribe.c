@@ -149,8 +149,9 @@ cloth_status cloth_spring_poses_write(cloth_sim *sim, cloth_spring_frame *f, int
   for (int k = 0; k < rows; k++)
     for (int b = 0; b < bodies; b++) {
       const cloth_body *body = &sim->body[b];
-      cloth_pose pose =
-          cloth_pose_between(body->now, body->target, cloth_spring_time(f, begin + k) / f->h);
+      // at rest: the same for any cut of the step, for what is between two equal poses is rounded
+      double share = rows > 1 ? cloth_spring_time(f, begin + k) / f->h : 0;
+      cloth_pose pose = cloth_pose_between(body->now, body->target, share);
       cloth_pose_matrix(&pose, sim->host + row * (size_t)k + 12 * (size_t)b);
     }
   sim->report->bodies_near = bodies;

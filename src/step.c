@@ -18,8 +18,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
-
 // Shares of the mean edge. A correction that is still above the first asks for further Newton
 // iterations; one above the second for a shorter substep, as do impact zones that move a vertex
 // that far: what they move stretches the cloth around it, which had no say in it.

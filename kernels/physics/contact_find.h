@@ -4,13 +4,17 @@
 
 #include "atomic.h"
 #include "contact_geometry.h"
+#include "pair_close.h"
 
 typedef struct cloth_contact_find_args {
   cloth_contact_scene scene;
   const uint64_t *pair; // [n]
   uint64_t *contact;    // [capacity], appended
   uint32_t capacity;
-  uint32_t *count; // [1] counts up, also past the capacity
+  uint64_t *close; // [close_capacity], appended: all that may come to an impact, see pair_close.h;
+  uint32_t close_capacity; // NULL: not asked
+  cloth_real close_reach;  // m
+  uint32_t *count;         // [2] contacts, close pairs; count up, also past the capacities
 } cloth_contact_find_args;
 
 // do the features' swept boxes come within the thickness?
@@ -58,11 +62,17 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
   cloth_pair pair = cloth_pair_unpack(s->format, a->pair[i]);
-  if (cloth_contact_on_seam(s, pair) || cloth_contact_on_flat(s, pair)) return;
+  if (cloth_contact_on_seam(s, pair)) return;
+  int on_flat = cloth_contact_on_flat(s, pair); // no contact, but it may come to an impact
+  if (on_flat && !a->close) return;
   cloth_pair_vertices(s, a->pair[i], &g);
   if (!cloth_pair_near(s, &g, s->thickness + s->reach)) return;
   cloth_contact_measure(s->x_t0, &g);
-  if (!g.proper) return;
+  if (a->close && cloth_pair_close(s, &g, a->close_reach)) {
+    uint32_t at = cloth_atomic_next(a->count + 1);
+    if (at < a->close_capacity) a->close[at] = a->pair[i];
+  }
+  if (on_flat || !g.proper) return;
   cloth_real ahead = g.distance + cloth_v3_dot(g.normal, cloth_contact_motion(&g, s->x_t0, s->x));
   cloth_real nearest = ahead < g.distance ? ahead : g.distance;
   // the solve may end anywhere between its first guess and free flight

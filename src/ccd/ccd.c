@@ -2,6 +2,7 @@
 // vertices as little as they can (zones.c); what these cannot solve in zone_iterations_max rounds
 // is held back along its way (failsafe.c), which always ends.
 #include "ccd/impacts.h"
+#include "contact/close.h"
 #include "contact/contact.h"
 #include "contact/pairs.h"
 #include "effect/effect.h"
@@ -58,19 +59,20 @@ static cloth_status grow_found(cloth_zones *z, int n, cloth_error *err)
 static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, cloth_error *err)
 {
   cloth_zone_part *z = &p->zone;
-  cloth_work_look(p);
+  int pairs;
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 2, err));
   cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                               .gap = (cloth_real)cloth_impact_gap(sim),
                               .moved = moved ? z->moved : NULL,
-                              .pair = p->pair,
+                              .pair = cloth_close_pairs(sim, p, &pairs),
                               .key = z->found_key,
                               .toi = z->found_toi,
                               .capacity = z->found_capacity,
                               .driven = z->driven,
                               .driven_capacity = z->driven_capacity,
                               .count = p->counter + COUNT_IMPACTS};
-  return cloth_launch(sim, p, CLOTH_KERNEL_impact_find, p->pair_count, &a, err);
+  cloth_work_look(p, pairs);
+  return cloth_launch(sim, p, CLOTH_KERNEL_impact_find, pairs, &a, err);
 }
 
 static cloth_status grow_found_on_part(cloth_sim *sim, cloth_part *p, const uint32_t count[2],

@@ -4,6 +4,7 @@
 // substep is repeated at half its length (step.c), and what is left is reported. Pairs in which
 // nothing gives way at all are in zones.driven and no matter of the failsafe.
 #include "ccd/impacts.h"
+#include "contact/close.h"
 #include "contact/contact.h"
 #include "contact/pairs.h"
 #include "effect/effect.h"
@@ -19,14 +20,15 @@ static cloth_status limit(cloth_sim *sim, bool stop, int *seen, cloth_error *err
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count;
+    int pairs;
     CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LIMITED, 1, err));
     cloth_impact_limit_args a = {.scene = cloth_contact_scene_of(sim, p),
                                  .stop = stop,
                                  .gap = (cloth_real)cloth_impact_gap(sim),
-                                 .pair = p->pair,
+                                 .pair = cloth_close_pairs(sim, p, &pairs),
                                  .allowed = p->allowed,
                                  .count = p->counter + COUNT_LIMITED};
-    CLOTH_LAUNCH(sim, p, impact_limit, p->pair_count, &a, err);
+    CLOTH_LAUNCH(sim, p, impact_limit, pairs, &a, err);
     CLOTH_TRY(cloth_count_read(sim, p, COUNT_LIMITED, &count, err));
     *seen += (int)count;
   }

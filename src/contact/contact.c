@@ -3,6 +3,7 @@
 // sums.
 #include "contact/contact.h"
 
+#include "contact/close.h"
 #include "contact/friction.h"
 #include "contact/pairs.h"
 #include "contact_build.h"
@@ -21,7 +22,8 @@
 #define UNTANGLE_SPEED 0.15 // m/s, at which an intersection is worked out, and at most this
 #define UNTANGLE_SHARE 0.6  // share of the thickness in a substep
 
-enum { COUNT_CONTACTS = 3, COUNT_FACTORED = 5, COUNT_TOTALS = 6 }; // places in part->counter
+enum { COUNT_CONTACTS = 2, COUNT_FACTORED = 5, COUNT_TOTALS = 6 }; // places in part->counter; the
+// first has two
 
 cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *p)
 {
@@ -91,10 +93,17 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
 
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  cloth_work_look(p);
-  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 1, err));
-  cloth_contact_find_args a = {cloth_contact_scene_of(sim, p), p->pair, p->contact,
-                               p->contact_capacity, p->counter + COUNT_CONTACTS};
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 2, err));
+  cloth_contact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
+                               .pair = p->pair,
+                               .contact = p->contact,
+                               .capacity = p->contact_capacity,
+                               .close = sim->close_known ? p->close : NULL,
+                               .close_capacity = p->close_capacity,
+                               .close_reach = (cloth_real)cloth_close_reach(sim),
+                               .count = p->counter + COUNT_CONTACTS};
+  sim->report->pairs_looked += p->pair_count;
+  cloth_work_look(p, p->pair_count);
   return cloth_launch(sim, p, CLOTH_KERNEL_contact_find, p->pair_count, &a, err);
 }
 
@@ -104,10 +113,13 @@ static cloth_status take_found(cloth_sim *sim, cloth_part *p, cloth_error *err)
   const cloth_tangle_list *t = &sim->tangles;
   uint32_t pulls = t->count > 0 ? (uint32_t)t->pull_count : 0;
   for (;;) {
-    uint32_t count;
-    CLOTH_TRY(cloth_count_read(sim, p, COUNT_CONTACTS, &count, err));
+    uint32_t found[2];
+    bool again;
+    CLOTH_TRY(sim->backend->read(p->device, found, p->counter + COUNT_CONTACTS, sizeof found, err));
+    uint32_t count = found[0];
     p->contact_count = 0;
-    if (count + pulls > p->contact_capacity) {
+    CLOTH_TRY(cloth_close_take(sim, p, found[1], &again, err));
+    if (again || count + pulls > p->contact_capacity) {
       CLOTH_TRY(grow_contacts(sim, p, count + pulls, err));
       CLOTH_TRY(find(sim, p, err));
       continue;
@@ -208,6 +220,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
 
 cloth_status cloth_contact_build_stage(cloth_sim *sim, cloth_error *err)
 {
+  CLOTH_TRY(cloth_close_begin(sim, err));
   // all look before the host asks the first how many it found
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(find(sim, &sim->part[i], err));
   for (int i = 0; i < sim->part_count; i++) {

@@ -4,6 +4,8 @@
 #include "contact_geometry.h"
 #include "state/sim.h"
 
+enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
+
 /// What the contact and impact kernels need to know of a part.
 cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *part);
 

@@ -7,6 +7,7 @@
 #include "cell_count.h"
 #include "cell_fill.h"
 #include "chunk.h"
+#include "contact/close.h"
 #include "contact/flat.h"
 #include "contact/ghosts.h"
 #include "effect/effect.h"
@@ -22,7 +23,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COUNT_ESCAPED, COUNT_LARGE, COUNT_PAIRS };      // places in part->counter
+enum {
+  COUNT_ESCAPED = 0,
+  COUNT_LARGE = 10,
+  COUNT_PAIRS = 11
+};                                                     // places in part->counter; the first
+                                                       // has two
 enum { COUNT_VAST = COUNT_PAIRS };                     // until pairs are counted
 enum { ENTRIES_USUAL = 64, ENTRIES_ALWAYS = 1 << 16 }; // cells for each triangle, and for all
 
@@ -64,14 +70,21 @@ static int run_of(const cloth_sim *sim, int b, bool triangles, int *first, int *
 
 // ---- is a search due? ---------------------------------------------------------------------------
 
-// what a list of pairs may be lost by
-enum { VERTICES = 1, SQUARES = 2 };
+// what a list of pairs may be lost by; GUESS, with VERTICES: and that of close pairs
+enum { VERTICES = 1, SQUARES = 2, GUESS = 4 };
 
 // Each part looks at its own vertices, and at the squares that it judges.
 static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth_error *err)
 {
-  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_ESCAPED, 1, err));
-  cloth_vertex_escape_args a = {p->v0, p->x_t0, p->x, p->vertex_box, p->counter + COUNT_ESCAPED};
+  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_ESCAPED, 2, err));
+  cloth_vertex_escape_args a = {.first = p->v0,
+                                .x_t0 = p->x_t0,
+                                .x = p->x,
+                                .box = p->vertex_box,
+                                .guess = what & GUESS ? p->x_guess : NULL,
+                                .cloth_vertices = sim->vertex_count,
+                                .stray = (cloth_real)cloth_close_stray(sim),
+                                .count = p->counter + COUNT_ESCAPED};
   int b = -1, bodies = sim->def->body_count, vertices;
   if (what & VERTICES && sim->part_count > 1) {
     CLOTH_LAUNCH(sim, p, vertex_escape, p->v1 - p->v0, &a, err);
@@ -86,19 +99,22 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
 
 static cloth_status escaped_any(cloth_sim *sim, int what, bool *escaped, cloth_error *err)
 {
+  bool strayed = false;
   *escaped = false;
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(count_escaped(sim, &sim->part[i], what, err));
   for (int i = 0; i < sim->part_count && !*escaped; i++) {
-    uint32_t count = 0;
-    CLOTH_TRY(cloth_count_read(sim, &sim->part[i], COUNT_ESCAPED, &count, err));
-    *escaped = count > 0;
+    cloth_part *p = &sim->part[i];
+    uint32_t count[2] = {0, 0};
+    CLOTH_TRY(sim->backend->read(p->device, count, p->counter + COUNT_ESCAPED, sizeof count, err));
+    *escaped = count[0] > 0, strayed = strayed || count[1] > 0;
   }
+  sim->close_covers = what & GUESS && !*escaped && !strayed;
   return CLOTH_OK;
 }
 
 cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
 {
-  return escaped_any(sim, VERTICES | SQUARES, escaped, err);
+  return escaped_any(sim, VERTICES | SQUARES | (sim->close_known ? GUESS : 0), escaped, err);
 }
 
 // ---- regions ------------------------------------------------------------------------------------
@@ -404,6 +420,7 @@ static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error
 {
   sim->report->pair_searches++;
   sim->report->pairs = 0;
+  sim->close_known = sim->close_covers = false;
   CLOTH_TRY(pairs_of_parts(sim, sim->part, sim->part_count, gap, slack, CLOTH_PAIRS_FEATURES, err));
   for (int p = 0; p < sim->part_count; p++) // a pair on a border is counted by each of its parts
     sim->report->pairs += sim->part[p].pair_count;

@@ -42,7 +42,7 @@ void cloth_work_solve(const cloth_sim *sim, cloth_part *p, int iterations)
 
 void cloth_work_search(cloth_part *p, double tests) { p->load.pairs += PAIR_TEST * tests; }
 
-void cloth_work_look(cloth_part *p) { p->load.pairs += PAIR_LOOK * (double)p->pair_count; }
+void cloth_work_look(cloth_part *p, int pairs) { p->load.pairs += PAIR_LOOK * (double)pairs; }
 
 void cloth_recut_note(cloth_sim *sim)
 {

@@ -11,8 +11,8 @@ void cloth_work_solve(const cloth_sim *sim, cloth_part *part, int iterations);
 /// So many tests of triangles in the cells of a search.
 void cloth_work_search(cloth_part *part, double tests);
 
-/// One look at all candidate pairs: for contacts, or for impacts.
-void cloth_work_look(cloth_part *part);
+/// One look at so many candidate pairs: for contacts, or for impacts.
+void cloth_work_look(cloth_part *part, int pairs);
 
 /// Between steps: part j becomes that of vertices [cut[j], cut[j + 1]), which lie as cut.h says,
 /// and the state moves there. Where that does not fit into a device, back to the cut before, which

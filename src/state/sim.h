@@ -131,9 +131,13 @@ typedef struct cloth_part {
   unsigned char *ghost_near;     // [chunks of triangles]
   cloth_real *ghost_box;         // [chunks x 6] m
   uint64_t *pair;
-  uint32_t *counter; // [10] small counts that the host reads
+  uint32_t *counter; // [12] small counts that the host reads
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
+  uint64_t *close;     // of the pairs, those that may come to an impact: contact/close.h
+  cloth_real *x_guess; // [n x 3] m, x when they were listed
+  uint32_t close_capacity;
+  int close_count;
 
   // flat patches, see flat_patch.h; allocated when a cloth is flat at rest. flat_first, flat_list:
   // of the share's nodes of level 0; flat_rest, flat_gradient: of the share's triangles
@@ -334,6 +338,8 @@ struct cloth_sim {
   double damping_h;        // s, step for which the damping numbers are set
   bool pairs_valid;        // the candidates still cover every path from x_t0 to x
   bool pairs_for_contacts; // and were searched up to the thickness, not for impacts alone
+  bool close_known;        // close pairs are listed, for ends of the substep near x_guess
+  bool close_covers;       // and x is: no other pair comes to an impact on the way to it
   cloth_real *host;        // staging, as large as any vertex vector
   size_t host_bytes;
   cloth_box cloth_box; // of all swept cloth at the last search

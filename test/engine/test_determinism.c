@@ -18,6 +18,7 @@ typedef struct how {
   const char *precision, *backend, *devices, *threads;
   bool look;    // ask for everything that can be asked between steps
   bool no_cull; // flat patches are searched like the rest
+  bool close;   // close pairs are listed, however few candidates there are
 } how;
 
 // a towel that is lifted by one corner, pulled by a finger at another, hit by a ball, in the wind,
@@ -33,6 +34,7 @@ static cloth_scene *scene_of(const how *h)
   def_set(def, "devices", h->devices);
   def_set(def, "threads", h->threads);
   if (h->no_cull) def_set(def, "flat_culling", "off");
+  if (h->close) def_set(def, "close_pairs_from", "1");
   def_set(def, "air_density", "1.2");
   def_set(def, "wind", "0.5 1 0");
   def_set(def, "gust", "0.5");
@@ -140,8 +142,9 @@ static int compare(const char *precision, const how *h)
   uint64_t hash[STEPS];
   char what[128];
   run(h, hash, NULL);
-  snprintf(what, sizeof what, "backend %s, devices %s, threads %s%s%s", h->backend, h->devices,
-           h->threads, h->look ? ", looked at" : "", h->no_cull ? ", not culled" : "");
+  snprintf(what, sizeof what, "backend %s, devices %s, threads %s%s%s%s", h->backend, h->devices,
+           h->threads, h->look ? ", looked at" : "", h->no_cull ? ", not culled" : "",
+           h->close ? ", close pairs" : "");
   return same_hashes(STEPS, what, reference(precision, NULL), hash);
 }
 
@@ -213,6 +216,17 @@ static int not_culled(const char *precision)
   return compare(precision, &h);
 }
 BOTH(culling_of_flat_patches_changes_no_bit, not_culled)
+
+static int close_pairs(const char *precision)
+{
+  static const char *const devices[] = {"cpu", "cpu,cpu", "cpu,cpu,cpu"};
+  for (int i = 0; i < 3; i++) {
+    how h = {precision, i == 1 ? "shuffle" : "cpu", devices[i], i == 2 ? "2" : "1", .close = true};
+    if (compare(precision, &h)) return 1;
+  }
+  return 0;
+}
+BOTH(lists_of_close_pairs_change_no_bit, close_pairs)
 
 static int reset(const char *precision)
 {
@@ -296,7 +310,7 @@ static int on_gpu(const char *precision)
 {
   static const char *const devices[] = {"0", "0,0", "0,0,0,0"};
   for (int i = 0; i < 3; i++) {
-    how h = {precision, "cuda", devices[i], "1", i == 1, false};
+    how h = {precision, "cuda", devices[i], "1", i == 1, false, i > 0};
     if (compare(precision, &h)) return 1;
   }
   return 0;
@@ -306,7 +320,7 @@ BOTH(a_gpu_gives_the_bits_of_a_cpu_in_any_number_of_parts, on_gpu)
 static int gpu_twice(const char *precision)
 {
   uint64_t first[STEPS], second[STEPS];
-  how h = {precision, "cuda", "0", "1", false, false};
+  how h = {precision, "cuda", "0", "1", false, false, false};
   run(&h, first, NULL), run(&h, second, NULL);
   return same_hashes(STEPS, "the second run", first, second);
 }
@@ -323,6 +337,7 @@ int main(int argc, char **argv)
   RUN(work_in_random_order_gives_the_same_bits);
   RUN(looking_at_the_scene_changes_no_bit);
   RUN(culling_of_flat_patches_changes_no_bit);
+  RUN(lists_of_close_pairs_change_no_bit);
   RUN(a_run_after_a_reset_gives_the_bits_of_the_first);
   RUN(a_run_continued_from_a_file_gives_the_same_bits);
   RUN(a_recording_replays_bit_for_bit);

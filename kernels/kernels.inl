@@ -54,6 +54,8 @@ CLOTH_KERNEL_UNEVEN(pair_large, 8)
 CLOTH_KERNEL(tangle_find, 64)
 
 // contacts
+CLOTH_KERNEL(watch_stray, 1024)
+CLOTH_KERNEL_UNEVEN(watch_find, 256)
 CLOTH_KERNEL_UNEVEN(contact_find, 256)
 CLOTH_KERNEL(contact_build, 128)
 CLOTH_KERNEL(contact_entry, 1024)

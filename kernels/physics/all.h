@@ -83,6 +83,8 @@
 #include "triangle_box.h"
 #include "vertex_box.h"
 #include "vertex_escape.h"
+#include "watch_find.h"
+#include "watch_stray.h"
 #include "zone_build.h"
 #include "zone_mark.h"
 #include "zone_solve.h"

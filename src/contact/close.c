@@ -40,14 +40,21 @@ static cloth_status grow(cloth_sim *sim, cloth_part *p, uint32_t n, cloth_error 
   return CLOTH_OK;
 }
 
-cloth_status cloth_close_begin(cloth_sim *sim, cloth_error *err)
+int64_t cloth_close_worth(const cloth_sim *sim)
 {
   int64_t pairs = 0;
-  for (int i = 0; i < sim->part_count; i++) pairs += sim->part[i].pair_count;
   int least = sim->params.close_pairs_from;
+  for (int i = 0; i < sim->part_count; i++) pairs += sim->part[i].pair_count;
+  // where there are fewer candidates than vertices, keeping positions would cost more than it saves
+  bool many = least > 0 && pairs >= least && pairs >= sim->vertex_count;
+  bool discrete = sim->params.contact_detection == CLOTH_DISCRETE;
+  return many && !discrete && sim->pairs_for_contacts && is_precise(sim) ? pairs : 0;
+}
+
+cloth_status cloth_close_begin(cloth_sim *sim, cloth_error *err)
+{
   sim->close_covers = false;
-  sim->close_known = least > 0 && pairs >= least && is_precise(sim) && sim->pairs_for_contacts &&
-                     sim->params.contact_detection != CLOTH_DISCRETE;
+  sim->close_known = cloth_close_worth(sim) > 0;
   if (!sim->close_known) return CLOTH_OK;
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
   for (int i = 0; i < sim->part_count; i++) {

@@ -13,6 +13,10 @@
 double cloth_close_stray(const cloth_sim *sim);
 double cloth_close_reach(const cloth_sim *sim);
 
+/// Candidates of all parts, where lists of them are worth their while by number and may be made;
+/// else 0.
+int64_t cloth_close_worth(const cloth_sim *sim);
+
 /// Before contacts are looked for: is a list worth its while? Into sim->close_known.
 cloth_status cloth_close_begin(cloth_sim *sim, cloth_error *err);
 

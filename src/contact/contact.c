@@ -95,16 +95,17 @@ static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   CLOTH_TRY(cloth_count_clear(sim, p, COUNT_CONTACTS, 2, err));
   cloth_contact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
-                               .pair = p->pair,
+                               .pair = sim->watch.covers ? p->watch : p->pair,
                                .contact = p->contact,
                                .capacity = p->contact_capacity,
                                .close = sim->close_known ? p->close : NULL,
                                .close_capacity = p->close_capacity,
                                .close_reach = (cloth_real)cloth_close_reach(sim),
                                .count = p->counter + COUNT_CONTACTS};
-  sim->report->pairs_looked += p->pair_count;
-  cloth_work_look(p, p->pair_count);
-  return cloth_launch(sim, p, CLOTH_KERNEL_contact_find, p->pair_count, &a, err);
+  int pairs = sim->watch.covers ? p->watch_count : p->pair_count;
+  sim->report->pairs_looked += pairs;
+  cloth_work_look(p, pairs);
+  return cloth_launch(sim, p, CLOTH_KERNEL_contact_find, pairs, &a, err);
 }
 
 // how many there are, and again with more room where it was too small

@@ -10,6 +10,7 @@
 #include "contact/close.h"
 #include "contact/flat.h"
 #include "contact/ghosts.h"
+#include "contact/watch.h"
 #include "effect/effect.h"
 #include "entry_work.h"
 #include "pair_large.h"
@@ -70,8 +71,9 @@ static int run_of(const cloth_sim *sim, int b, bool triangles, int *first, int *
 
 // ---- is a search due? ---------------------------------------------------------------------------
 
-// what a list of pairs may be lost by; GUESS, with VERTICES: and that of close pairs
-enum { VERTICES = 1, SQUARES = 2, GUESS = 4 };
+// what a list of pairs may be lost by; with VERTICES, one of: GUESS, that of close pairs, WATCH,
+// that of watched ones
+enum { VERTICES = 1, SQUARES = 2, GUESS = 4, WATCH = 8 };
 
 // Each part looks at its own vertices, and at the squares that it judges.
 static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth_error *err)
@@ -94,27 +96,32 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
     b = run_of(sim, b, false, &a.first, &vertices);
     CLOTH_LAUNCH(sim, p, vertex_escape, vertices, &a, err);
   }
+  if (what & WATCH) CLOTH_TRY(cloth_watch_count(sim, p, p->counter + COUNT_ESCAPED + 1, err));
   return what & SQUARES ? cloth_flat_check(sim, p, p->counter + COUNT_ESCAPED, err) : CLOTH_OK;
 }
 
-static cloth_status escaped_any(cloth_sim *sim, int what, bool *escaped, cloth_error *err)
+// *strayed: the list of GUESS or WATCH is lost
+static cloth_status escaped_any(cloth_sim *sim, int what, bool *escaped, bool *strayed,
+                                cloth_error *err)
 {
-  bool strayed = false;
-  *escaped = false;
+  *escaped = *strayed = false;
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(count_escaped(sim, &sim->part[i], what, err));
   for (int i = 0; i < sim->part_count && !*escaped; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count[2] = {0, 0};
     CLOTH_TRY(sim->backend->read(p->device, count, p->counter + COUNT_ESCAPED, sizeof count, err));
-    *escaped = count[0] > 0, strayed = strayed || count[1] > 0;
+    *escaped = count[0] > 0, *strayed = *strayed || count[1] > 0;
   }
-  sim->close_covers = what & GUESS && !*escaped && !strayed;
   return CLOTH_OK;
 }
 
 cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
 {
-  return escaped_any(sim, VERTICES | SQUARES | (sim->close_known ? GUESS : 0), escaped, err);
+  bool strayed;
+  int what = VERTICES | SQUARES | (sim->close_known ? GUESS : 0);
+  CLOTH_TRY(escaped_any(sim, what, escaped, &strayed, err));
+  sim->close_covers = sim->close_known && !*escaped && !strayed;
+  return CLOTH_OK;
 }
 
 // ---- regions ------------------------------------------------------------------------------------
@@ -421,6 +428,7 @@ static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error
   sim->report->pair_searches++;
   sim->report->pairs = 0;
   sim->close_known = sim->close_covers = false;
+  cloth_watch_forget(sim);
   CLOTH_TRY(pairs_of_parts(sim, sim->part, sim->part_count, gap, slack, CLOTH_PAIRS_FEATURES, err));
   for (int p = 0; p < sim->part_count; p++) // a pair on a border is counted by each of its parts
     sim->report->pairs += sim->part[p].pair_count;
@@ -443,12 +451,13 @@ cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error 
 
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
 {
-  bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts;
+  bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts, strayed = false, flat;
   // cloth on the move has left by its vertices, and need not be asked about its squares
-  if (!escaped) CLOTH_TRY(escaped_any(sim, VERTICES, &escaped, err));
-  if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(escaped_any(sim, SQUARES, &escaped, err));
-  if (escaped) return cloth_pairs_search(sim, err);
+  int what = VERTICES | (sim->watch.known ? WATCH : 0);
+  if (!escaped) CLOTH_TRY(escaped_any(sim, what, &escaped, &strayed, err));
+  if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(escaped_any(sim, SQUARES, &escaped, &flat, err));
+  if (escaped) CLOTH_TRY(cloth_pairs_search(sim, err));
   sim->report->pairs = 0;
   for (int p = 0; p < sim->part_count; p++) sim->report->pairs += sim->part[p].pair_count;
-  return CLOTH_OK;
+  return cloth_watch_update(sim, escaped, strayed, err);
 }

@@ -121,7 +121,7 @@ typedef struct cloth_part {
   cloth_real *vertex_box, *triangle_box; // [all x 6] m
   int *body_triangle, *body_listed;      // triangles of near bodies; on the host, as last written
   int body_listed_count;
-  uint32_t *cells;                       // [active + 1]
+  uint32_t *cells; // [active + 1]
   uint64_t *cell_key, *cell_key_spare;
   uint32_t *cell_triangle, *cell_triangle_spare, *work, *large;
   // ghosts, with several parts: contact/ghosts.h
@@ -131,13 +131,17 @@ typedef struct cloth_part {
   unsigned char *ghost_near;     // [chunks of triangles]
   cloth_real *ghost_box;         // [chunks x 6] m
   uint64_t *pair;
-  uint32_t *counter; // [12] small counts that the host reads
+  uint32_t *counter; // [14] small counts that the host reads
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
   uint64_t *close;     // of the pairs, those that may come to an impact: contact/close.h
   cloth_real *x_guess; // [n x 3] m, x when they were listed
   uint32_t close_capacity;
   int close_count;
+  uint64_t *watch;                 // of the pairs, those that are watched: contact/watch.h
+  cloth_real *watch_x0, *watch_x1; // [all x 3] m, x_t0 and x when they were chosen
+  uint32_t watch_capacity;
+  int watch_count;
 
   // flat patches, see flat_patch.h; allocated when a cloth is flat at rest. flat_first, flat_list:
   // of the share's nodes of level 0; flat_rest, flat_gradient: of the share's triangles
@@ -237,6 +241,18 @@ typedef struct cloth_control {
   bool second_order; // all substeps of this step were
   int64_t missed;    // steps that were above what was asked for
 } cloth_control;
+
+/// Pairs that are watched over several substeps (contact/watch.h).
+typedef struct cloth_watch {
+  bool known;   // they are chosen, for ends near the straight ways from watch_x0 through watch_x1
+  bool covers;  // and this substep is: no other pair touches
+  double begin; // s, when they were chosen
+  double h;     // s, length of that substep
+  double slack; // m, how far a vertex may be from its way
+  bool lasted;  // the candidates were those of an earlier substep
+  int used;     // substeps
+  int rest;     // substeps in which it is not tried again
+} cloth_watch;
 
 /// A rigid body, on the host.
 typedef struct cloth_body {
@@ -338,9 +354,10 @@ struct cloth_sim {
   double damping_h;        // s, step for which the damping numbers are set
   bool pairs_valid;        // the candidates still cover every path from x_t0 to x
   bool pairs_for_contacts; // and were searched up to the thickness, not for impacts alone
-  bool close_known;        // close pairs are listed, for ends of the substep near x_guess
-  bool close_covers;       // and x is: no other pair comes to an impact on the way to it
-  cloth_real *host;        // staging, as large as any vertex vector
+  cloth_watch watch;
+  bool close_known;  // close pairs are listed, for ends of the substep near x_guess
+  bool close_covers; // and x is: no other pair comes to an impact on the way to it
+  cloth_real *host;  // staging, as large as any vertex vector
   size_t host_bytes;
   cloth_box cloth_box; // of all swept cloth at the last search
   cloth_zones zones;
@@ -351,7 +368,7 @@ struct cloth_sim {
   double error_estimate; // m, of this substep, of the worst vertex
   double error_mean;     // m, of this substep, root mean square over the cloth
   cloth_control control; // of the parameter accuracy
-  double crowd; // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
+  double crowd;  // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
   bool helpless; // stiffer contacts did not even halve the impacts: by the looks of it no room
   int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;

@@ -243,9 +243,10 @@ static int gather(const cloth_sim *sim, uint64_t *key)
 {
   int n = 0;
   for (int p = 0; p < sim->part_count; p++) {
-    if (n + sim->part[p].contact_count > MOST) abort();
-    memcpy(key + n, sim->part[p].contact, sizeof *key * (size_t)sim->part[p].contact_count);
-    n += sim->part[p].contact_count;
+    int count = sim->part[p].contact_count;
+    if (n + count > MOST) abort();
+    if (count > 0) memcpy(key + n, sim->part[p].contact, sizeof *key * (size_t)count); // else NULL
+    n += count;
   }
   return n;
 }

@@ -137,25 +137,24 @@ CLOTH_FN cloth_v3 cloth_contact_motion(const cloth_contact_geometry *g, const cl
   return u;
 }
 
-// n of the face, not of unit length, and how far the vertex is above it, times that length.
-CLOTH_FN cloth_real cloth_contact_above(const cloth_real *at, cloth_v3 *n)
+// normal of the face whose corners are at places 1 to 3, not of unit length
+CLOTH_FN cloth_v3 cloth_contact_face_cross(const cloth_real *at)
 {
-  cloth_v3 r[4];
-  for (int k = 0; k < 4; k++) r[k] = cloth_v3_load(at, k);
-  *n = cloth_v3_cross(cloth_v3_sub(r[2], r[1]), cloth_v3_sub(r[3], r[1]));
-  return cloth_v3_dot(*n, cloth_v3_sub(r[0], r[1]));
+  cloth_v3 a = cloth_v3_load(at, 1);
+  return cloth_v3_cross(cloth_v3_sub(cloth_v3_load(at, 2), a),
+                        cloth_v3_sub(cloth_v3_load(at, 3), a));
 }
 
 // A vertex that has come nearer to a face than rounding can tell is on the side where it was.
 CLOTH_FN void cloth_contact_keep_side(const cloth_real *start, const cloth_real *at,
                                       cloth_contact_geometry *g)
 {
-  cloth_v3 n, n_start;
   cloth_real size = 0;
   for (int k = 0; k < 12; k++) size = cloth_fabs(at[k]) > size ? cloth_fabs(at[k]) : size;
   if (!cloth_contact_inside(g) || g->distance > 16 * CLOTH_REAL_EPSILON * size) return;
-  cloth_real above = cloth_contact_above(start, &n_start);
-  cloth_contact_above(at, &n);
+  cloth_v3 up = cloth_v3_sub(cloth_v3_load(start, 0), cloth_v3_load(start, 1));
+  cloth_real above = cloth_v3_dot(cloth_contact_face_cross(start), up);
+  cloth_v3 n = cloth_contact_face_cross(at);
   cloth_real length = cloth_v3_length(n);
   if (length > 0 && above != 0) g->normal = cloth_v3_scale((above > 0 ? 1 : -1) / length, n);
 }

@@ -6,7 +6,7 @@
 #pragma once
 
 #include "atomic.h"
-#include "contact_geometry.h"
+#include "pair_close.h"
 
 typedef struct cloth_watch_find_args {
   cloth_contact_scene scene;
@@ -21,7 +21,6 @@ typedef struct cloth_watch_find_args {
 
 CLOTH_FN int cloth_watch_needs(const cloth_watch_find_args *a, cloth_contact_geometry *g)
 {
-  int split = g->type == CLOTH_VERTEX_FACE ? 1 : 2;
   cloth_v3 o = cloth_v3_load(a->x0, g->vertex[0]), u[4], lo = cloth_v3_make(0, 0, 0), hi = lo;
   cloth_real at[12];
   for (int k = 0; k < 4; k++) {
@@ -34,16 +33,8 @@ CLOTH_FN int cloth_watch_needs(const cloth_watch_find_args *a, cloth_contact_geo
   }
   cloth_contact_measure(at, g);
   cloth_real size = hi.x - lo.x + (hi.y - lo.y) + (hi.z - lo.z);
-  // as in pair_close.h, for the least distance that is not looked at
-  cloth_real rounding = CLOTH_REAL_EPSILON * size * (160 + 4 * size / a->scene.thickness);
-  cloth_real left = (g->distance - a->reach - rounding) / a->span;
-  if (!(left > 0)) return 1;
-  for (int i = 0; i < split; i++)
-    for (int j = split; j < 4; j++) {
-      cloth_v3 d = cloth_v3_sub(u[j], u[i]);
-      if (!(cloth_v3_dot(d, d) < left * left)) return 1;
-    }
-  return 0;
+  cloth_real rounding = cloth_pair_rounding(size, a->scene.thickness); // the least not looked at
+  return cloth_pair_moves(u, g->type, (g->distance - a->reach - rounding) / a->span);
 }
 
 CLOTH_FN void cloth_watch_find(int i, const cloth_watch_find_args *a)

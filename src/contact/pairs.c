@@ -24,12 +24,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-  COUNT_ESCAPED = 0,
-  COUNT_LARGE = 10,
-  COUNT_PAIRS = 11
-};                                                     // places in part->counter; the first
-                                                       // has two
+// places in part->counter; the first has two
+enum { COUNT_ESCAPED = 0, COUNT_LARGE = 10, COUNT_PAIRS = 11 };
 enum { COUNT_VAST = COUNT_PAIRS };                     // until pairs are counted
 enum { ENTRIES_USUAL = 64, ENTRIES_ALWAYS = 1 << 16 }; // cells for each triangle, and for all
 

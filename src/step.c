@@ -290,6 +290,7 @@ static cloth_status advance_all(cloth_sim *sim, double h, cloth_outcome *result,
   cloth_cutting c;
   CLOTH_TRY(cloth_cutting_begin(sim, h, &c, err));
   double done = 0;
+  sim->h_whole = h / sim->params.substeps;
   sim->h_contact = h * c.share * c.finer;
   while (done < 1) {
     double to = done + c.share < 1 - 1e-9 ? done + c.share : 1;

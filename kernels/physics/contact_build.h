@@ -9,12 +9,14 @@
 // the penalty of an augmented Lagrangian grows where the constraint is not met.
 #pragma once
 
+#include "contact_barrier.h"
 #include "tangle_pull.h"
 
 typedef struct cloth_contact_build_args {
   cloth_contact_scene scene;
   int count;
   cloth_real stiffness;    // in units of mass / step^2
+  cloth_real share;        // of a step that is not cut, that the stiffness is made from
   cloth_real stiffer;      // factor for each time that the pair came to an impact
   cloth_real inverse_step; // 1/s
   const uint64_t *contact; // [n] sorted; a pair's latest plane is its last
@@ -25,10 +27,12 @@ typedef struct cloth_contact_build_args {
   cloth_real *distance;    // [n] m at the start of the substep, written
   cloth_real *thickness;   // [n] m, written
   cloth_real *k;           // [n] N/m, written
+  cloth_real *relief;      // [n] N that the force is less than the barrier, written
   cloth_real *mu;          // [n] Coulomb coefficient, written
 } cloth_contact_build_args;
 
-#define CLOTH_CONTACT_LEAST (cloth_real)0.5 // of the thickness, that an impact's contact keeps
+#define CLOTH_CONTACT_PUSHED ((cloth_real)1e-3) // of the thickness, by a body that moves
+#define CLOTH_CONTACT_LEAST  (cloth_real)0.5    // of the thickness, that an impact's contact keeps
 
 // The factor of contact i. The planes of a pair stand one after the other, one for each impact.
 CLOTH_FN cloth_real cloth_contact_stiffer(int i, const cloth_contact_build_args *a)
@@ -37,6 +41,22 @@ CLOTH_FN cloth_real cloth_contact_stiffer(int i, const cloth_contact_build_args 
   for (int j = i; j >= 0 && a->contact[j] == a->contact[i]; j--)
     if (a->toi[j] > 0) factor *= a->stiffer;
   return factor;
+}
+
+// How far the body of a contact comes nearer to the cloth in this substep [m]. What it sweeps along
+// is no store of energy but driven: with the force of a whole step's spring it would come closer
+// for being fast, and throw the cloth off in the end.
+CLOTH_FN cloth_real cloth_contact_pushed(const cloth_contact_scene *s,
+                                         const cloth_contact_geometry *g)
+{
+  cloth_v3 u = cloth_v3_make(0, 0, 0);
+  for (int c = 0; c < 4; c++) {
+    int v = g->vertex[c];
+    if (v < s->cloth_vertices) continue;
+    cloth_v3 way = cloth_v3_sub(cloth_v3_load(s->x, v), cloth_v3_load(s->x_t0, v));
+    u = cloth_v3_add_scaled(u, g->weight[c], way);
+  }
+  return -cloth_v3_dot(u, g->normal);
 }
 
 CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
@@ -80,5 +100,7 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
                          cloth_contact_stiffer(i, a)
                    : 0;
   int body = cloth_contact_body(s, &g);
+  int relieved = !pulls && !(cloth_contact_pushed(s, &g) > t * CLOTH_CONTACT_PUSHED);
+  a->relief[i] = relieved ? cloth_contact_relief(a->k[i], t, d, a->share) : 0;
   a->mu[i] = pulls ? 0 : body >= 0 ? s->body_friction[body] : s->friction;
 }

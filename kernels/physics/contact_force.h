@@ -7,6 +7,8 @@
 // from step to step as soon as the load presses d below 2 t / 3.) The force on vertex a is
 // weight_a * force, the tangent block of (a, b) is weight_a weight_b * tangent.
 //
+// In a substep that is cut it is less by what contact_barrier.h calls relief, and never below zero.
+//
 // Friction: a spring that yields at mu N (friction_law.h), N that of the last iterate. While it
 // sticks the tangent is the spring's. Once it slides the force does not grow with the slip, so the
 // tangent is that of the radial return, across the slip alone: a secant along it (mu N / |slip|)
@@ -28,6 +30,7 @@ typedef struct cloth_contact_force_args {
   const cloth_real *distance;  // [n] m
   const cloth_real *thickness; // [n] m
   const cloth_real *k;         // [n] N/m
+  const cloth_real *relief;    // [n] N, contact_barrier.h
   const cloth_real *mu;        // [n]
   const cloth_real *x_t0, *x;  // [vertices x 3] m
   int first_iterate;           // 1: x is the prediction, not a solution: the normal force for
@@ -103,8 +106,8 @@ CLOTH_FN void cloth_contact_force(int i, const cloth_contact_force_args *a)
   // far pairs are springs that begin at t, not barriers linearised out there
   cloth_real at = a->first_iterate ? (d0 < t ? d0 : t) : (d < t ? d : t);
   // what has passed is fetched back from a moderate force: a tangent from inside would say nothing
-  if (!(at > 0)) at = t / 2;
-  cloth_real load = cloth_contact_barrier(a->k[i], t, at, &stiffness);
+  if (!(at > 0)) at = (a->relief[i] > 0 ? d0 : t) / 2;
+  cloth_real load = cloth_contact_barrier(a->k[i], t, at, &stiffness) - a->relief[i];
   cloth_real pressure = load + stiffness * (at - d);
   int active = pressure > 0;
   pressure = active ? pressure : 0;

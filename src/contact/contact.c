@@ -76,6 +76,7 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
   CLOTH_TRY(cloth_grow(sim, p, "contact_distance", real * n, &p->contact_distance, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_thickness", real * n, &p->contact_thickness, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_k", real * n, &p->contact_k, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_relief", real * n, &p->contact_relief, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_mu", real * n, &p->contact_mu, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_force", 3 * real * n, &p->contact_force, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_tangent", 6 * real * n, &p->contact_tangent, err));
@@ -179,8 +180,8 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
 }
 
 // In units of mass / substep^2, but a step that is halved because its solve was rough keeps its
-// springs: stiffer, contacts that are pressed together would let go of several times the energy
-// that pressed them.
+// springs. Where they do get stiffer, contacts that are pressed together would let go of several
+// times the energy that pressed them: cloth_contact_relief() takes that off.
 double cloth_contact_stiffness(const cloth_sim *sim)
 {
   double share = sim->h / sim->h_contact;
@@ -203,6 +204,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
   cloth_contact_build_args a = {.scene = cloth_contact_scene_of(sim, p),
                                 .count = p->contact_count,
                                 .stiffness = (cloth_real)cloth_contact_stiffness(sim),
+                                .share = (cloth_real)(sim->h_contact / sim->h_whole),
                                 .stiffer = sim->tangles.known_free ? STIFFER : 1,
                                 .inverse_step = (cloth_real)(1 / sim->h),
                                 .contact = p->contact,
@@ -213,6 +215,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
                                 .distance = p->contact_distance,
                                 .thickness = p->contact_thickness,
                                 .k = p->contact_k,
+                                .relief = p->contact_relief,
                                 .mu = p->contact_mu};
   CLOTH_LAUNCH(sim, p, contact_build, p->contact_count, &a, err);
   CLOTH_TRY(cloth_friction_begin(sim, p, err));
@@ -259,6 +262,7 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
                                   .distance = p->contact_distance,
                                   .thickness = p->contact_thickness,
                                   .k = p->contact_k,
+                                  .relief = p->contact_relief,
                                   .mu = p->contact_mu,
                                   .x_t0 = p->x_t0,
                                   .x = p->x,

@@ -87,6 +87,7 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
                                    .distance = p->contact_distance,
                                    .thickness = p->contact_thickness,
                                    .k = p->contact_k,
+                                   .relief = p->contact_relief,
                                    .mu = p->contact_mu,
                                    .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                    .x_t0 = p->x_t0,

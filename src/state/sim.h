@@ -160,7 +160,7 @@ typedef struct cloth_part {
   uint32_t *contact_toi, *contact_toi_spare; // 0, or time of an impact
   int *contact_vertex;
   cloth_real *contact_weight, *contact_normal, *contact_distance, *contact_thickness, *contact_k,
-      *contact_mu, *contact_force, *contact_tangent, *contact_pressure, *contact_q;
+      *contact_relief, *contact_mu, *contact_force, *contact_tangent, *contact_pressure, *contact_q;
   uint64_t *contact_row, *contact_row_spare;
   uint32_t *contact_entry, *contact_entry_spare, *contact_place, *contact_first;
   int *contact_slot;
@@ -343,6 +343,7 @@ struct cloth_sim {
   double time, time_t0;
   int64_t step;
   double h;         // s, of this substep
+  double h_whole;   // s, that it is made from in a step that is not cut
   double h_contact; // s, that the stiffness of contacts is made from
   double gamma;     // s, length of the backward Euler step that it is: h, but for bdf2
   cloth_bdf2 bdf2;

@@ -7,6 +7,16 @@
 
 enum { CLOTH_SPRING_BLOCK_MAX = 128 }; // sub-steps
 
+/// What a block and its searches count.
+enum {
+  CLOTH_SPRING_CANDIDATES, // of all rows
+  CLOTH_SPRING_FULL,       // rows without room for them
+  CLOTH_SPRING_STRAYED,    // 1: somebody strayed, and the block has to be done again
+  CLOTH_SPRING_NEARLY,     // 1: somebody strayed half as far
+  CLOTH_SPRING_AGAIN,      // searches that the block made for itself after the first
+  CLOTH_SPRING_HEAD = 6    // what follows is aligned
+};
+
 typedef struct cloth_spring_block_args {
   cloth_spring_step_args step; // of the first: x_next, v_next and `first` are not used
   int rows;                    // particles
@@ -23,7 +33,7 @@ typedef struct cloth_spring_block_args {
   cloth_real *x_ref, *v_ref;     // [n x 3] the start is kept there; NULL: not watched
   cloth_real *x_saved, *v_saved; // [n x 3] as well; NULL: the step began earlier
   // Candidates are found first, from lists that begin with head[place] and go on with
-  // next[particle].
+  // next[particle]; and again before a sub-step at whose start somebody has strayed, or that is told.
   cloth_bin_search_args find; // start and particle are not used
   uint32_t *head, *next;      // [places], [n] scratch; NULL: nobody asks
 } cloth_spring_block_args;

@@ -56,7 +56,7 @@ static cloth_spring_step_args args_of(const cloth_sim *sim, const cloth_part *p)
     a.particles.listed = s->listed, a.particles.candidate = s->candidate;
     a.particles.room = s->candidate_room;
     a.stray = (cloth_real)cloth_spring_stray(sim);
-    a.strayed = s->sums + 2;
+    a.strayed = s->sums + CLOTH_SPRING_STRAYED;
   }
   if (sim->active[CLOTH_EFFECT_body_contact])
     a.shapes = (cloth_shapes){.count = sim->def->body_count,

@@ -94,9 +94,11 @@ cloth_status cloth_spring_found(cloth_sim *sim, cloth_part *p,
                                 cloth_spring_verdict *verdict, cloth_error *err)
 {
   cloth_spring_part *s = &p->spring;
-  verdict->strayed |= sum[2] > 0, verdict->nearly |= sum[3] > 0;
-  sim->report->pairs += (int)(sum[0] / 2);
-  if (sum[1] == 0) return CLOTH_OK;
+  verdict->strayed |= sum[CLOTH_SPRING_STRAYED] > 0;
+  verdict->nearly |= sum[CLOTH_SPRING_NEARLY] > 0;
+  sim->report->pairs += (int)(sum[CLOTH_SPRING_CANDIDATES] / 2);
+  sim->report->pair_searches += (int)sum[CLOTH_SPRING_AGAIN];
+  if (sum[CLOTH_SPRING_FULL] == 0) return CLOTH_OK;
   verdict->room = false;
   s->candidate_room *= 2;
   sim->owner = CLOTH_EFFECT_self_contact;

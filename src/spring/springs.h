@@ -9,8 +9,7 @@
 #include <stdbool.h>
 
 enum {
-  CLOTH_MASS_SPRING = 1, // a choice of the parameter `integrator`
-  CLOTH_SPRING_HEAD = 4  // of cloth_spring_part.sums
+  CLOTH_MASS_SPRING = 1 // a choice of the parameter `integrator`
 };
 
 typedef enum cloth_spring_kind {
@@ -58,11 +57,10 @@ typedef struct cloth_spring_part {
   uint64_t *bin, *bin_spare; // bins and candidates
   uint32_t *binned, *binned_spare, *bin_first;
   uint32_t *listed, *candidate, candidate_room; // see particle.h
-  uint32_t *sums; // [CLOTH_SPRING_HEAD] candidates, rows without room, particles that strayed, that
-                  // went half as far
-  cloth_real *x_ref, *v_ref; // [n x 3] m, m/s at the last search
-  uint32_t *touch;           // [n x 2] contacts
-  cloth_real *chunk;         // [chunks x CLOTH_SPRING_FIELDS], behind the sums: one read
+  uint32_t *sums;                               // [CLOTH_SPRING_HEAD] see spring_block.h
+  cloth_real *x_ref, *v_ref;                    // [n x 3] m, m/s at the last search
+  uint32_t *touch;                              // [n x 2] contacts
+  cloth_real *chunk; // [chunks x CLOTH_SPRING_FIELDS], behind the sums: one read
 } cloth_spring_part;
 
 struct cloth_sim;

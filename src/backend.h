@@ -52,8 +52,9 @@ typedef struct cloth_backend {
   cloth_status (*fill)(cloth_device *device, void *dst, int byte, size_t bytes, cloth_error *err);
 
   // NULL where there is no better way than launch by launch. A whole linear solve of one part on
-  // COMPUTE: same steps, same bits.
-  cloth_status (*solve)(cloth_device *device, const struct cloth_pcg_solve_args *args, cloth_error *err);
+  // COMPUTE: same steps, same bits. *finished: with the true residual, x += dx and what the host asks.
+  cloth_status (*solve)(cloth_device *device, const struct cloth_pcg_solve_args *args, bool *finished,
+                        cloth_error *err);
 
   // NULL where several parts go launch by launch. The same of n parts at once, on COMPUTE of each; they
   // read and write each other's memory, which joined() asks first. A part that does not answer leaves

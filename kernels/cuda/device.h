@@ -48,8 +48,8 @@ cloth_status cloth_cuda_sort(cloth_device *d, int n, int bits, uint64_t *key, ui
                              uint64_t *key_spare, uint32_t *value_spare, cloth_error *err);
 cloth_status cloth_cuda_scan(cloth_device *d, int n, uint32_t *array, cloth_error *err);
 cloth_status cloth_cuda_solve(cloth_device *d, const struct cloth_pcg_solve_args *args,
-                              cloth_error *err);
-/// The same for a cloth that is small enough, which `taken` says.
+                              bool *finished, cloth_error *err);
+/// The same for a cloth that is small enough, which `taken` says; then it is finished, too.
 cloth_status cloth_cuda_solve_small(cloth_device *d, const struct cloth_pcg_solve_args *args,
                                     bool *taken, cloth_error *err);
 cloth_status cloth_cuda_spring_block(cloth_device *d, const struct cloth_spring_block_args *args,

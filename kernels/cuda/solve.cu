@@ -203,12 +203,12 @@ __global__ void __launch_bounds__(THREADS, SPARSE)
 
 } // namespace
 
-cloth_status cloth_cuda_solve(cloth_device *d, const cloth_pcg_solve_args *args, cloth_error *err)
+cloth_status cloth_cuda_solve(cloth_device *d, const cloth_pcg_solve_args *args, bool *finished,
+                              cloth_error *err)
 {
   CUDA_TRY(err, cudaSetDevice(d->index));
-  bool taken = false;
-  CLOTH_TRY(cloth_cuda_solve_small(d, args, &taken, err));
-  if (taken) return CLOTH_OK;
+  CLOTH_TRY(cloth_cuda_solve_small(d, args, finished, err));
+  if (*finished) return CLOTH_OK;
   if (d->solve_blocks == 0) {
     int each = 0;
     CUDA_TRY(err, cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, solve_by_grid, THREADS, 0));

@@ -271,13 +271,49 @@ struct worker {
     }
   }
 
+  // The true residual, and x += dx: the launches of src/solve/pcg.c behind the iterations.
+  __device__ void finish()
+  {
+    if (there) cloth_v3_store(a.v.dx, k, cloth_v3_load(own()->dx, (int)threadIdx.x));
+    meet();
+    cloth_contact_product_args contact = a.contact;
+    contact.p = a.v.dx;
+    int contacts = cloth_pcg_contacts(&a), stride = (int)gridDim.x * THREADS;
+    for (int i = (int)(blockIdx.x * THREADS + threadIdx.x); i < contacts; i += stride)
+      cloth_contact_product(i, &contact);
+    if (contacts > 0) meet();
+
+    cloth_real rr[1] = {0}, size = 0;
+    if (there) {
+      cloth_pcg_product_args product = a.product;
+      product.x = a.v.dx;
+      cloth_pcg_product_row(row, &product, mine.product(&a.product.rows, row, a.v.dx));
+      rr[0] = cloth_pcg_residual_row(k, &a.v);
+      size = cloth_correct_vertex(k, &a.correct);
+    }
+    cloth_block_chunk_sums(rr, own()->upper);
+    size = cloth_warp_larger(size);
+    if (lane == 0) own()->shares[threadIdx.x / CLOTH_WARP] = size;
+    __syncthreads();
+    if (there && threadIdx.x % CLOTH_CHUNK == 0) {
+      const cloth_real *of_warp = own()->shares + threadIdx.x / CLOTH_WARP;
+      a.v.partial[CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK)] = rr[0];
+      a.correct.largest[k / CLOTH_CHUNK] = cloth_larger(of_warp[0], of_warp[1]);
+    }
+    meet();
+    cloth_real all[CLOTH_LANES_EACH], largest = 0;
+    cloth_warp_lanes(
+        all, [&](int l) { return l < a.v.chunks ? a.v.partial[CLOTH_PCG_PARTIALS * l] : 0; });
+    for (int l = lane; l < a.v.chunks; l += CLOTH_WARP)
+      largest = cloth_larger(largest, a.correct.largest[l]);
+    scalar[CLOTH_PCG_RESIDUAL] = cloth_warp_lanes_sum(all);
+    scalar[CLOTH_PCG_LARGEST] = cloth_warp_larger(largest); // lane 0 writes it
+  }
+
   // what others will read, and what the launches of a solve leave behind
   __device__ void write_out()
   {
-    if (there) {
-      cloth_v3_store(a.v.dx, k, cloth_v3_load(own()->dx, (int)threadIdx.x));
-      cloth_v3_store(a.v.z, k, cloth_v3_load(own()->z, (int)threadIdx.x));
-    }
+    if (there) cloth_v3_store(a.v.z, k, cloth_v3_load(own()->z, (int)threadIdx.x));
     if (blockIdx.x > 0) return;
     const cloth_hats *h = &a.v.hats;
     hats_room room = upper();
@@ -296,6 +332,7 @@ __global__ void __launch_bounds__(THREADS, 1)
   extern __shared__ __align__(16) char memory[];
   worker w(a, memory);
   w.solve();
+  w.finish();
   w.write_out();
 }
 

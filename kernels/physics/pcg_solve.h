@@ -5,11 +5,13 @@
 #include "coarse_rest.h"
 #include "coarse_solve.h"
 #include "contact_product.h"
+#include "correct.h"
 #include "hat_rest_upper.h"
 #include "hat_spread.h"
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_product.h"
+#include "pcg_residual.h"
 #include "pcg_start.h"
 #include "pcg_update.h"
 
@@ -26,6 +28,7 @@ typedef struct cloth_pcg_solve_args {
   cloth_real *more_partial; // [chunks x CLOTH_PCG_PARTIALS] for who adds p'q up while others go on
   int iterations_max;
   uint64_t *product_ns; // [1] ns, counts up: products, with what they wait for; NULL: not asked for
+  cloth_correct_args correct; // for who finishes, too: x += dx behind the iterations
 } cloth_pcg_solve_args;
 
 /// Contacts that the product goes through: none where all lie in the matrix.

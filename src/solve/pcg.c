@@ -240,12 +240,17 @@ static cloth_status residual(cloth_sim *sim, cloth_error *err)
   return exchange_partial(sim, err);
 }
 
+static cloth_correct_args correct_args(const cloth_sim *sim, const cloth_part *p)
+{
+  return (cloth_correct_args){0, sim->vertex_count, p->dx, p->x, p->largest};
+}
+
 // x += dx on every part, and the numbers that the host asks for
 static cloth_status correct(cloth_sim *sim, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_correct_args a = {0, sim->vertex_count, p->dx, p->x, p->largest};
+    cloth_correct_args a = correct_args(sim, p);
     CLOTH_LAUNCH(sim, p, correct, sim->chunks, &a, err);
   }
   cloth_part *p = &sim->part[0];
@@ -290,16 +295,17 @@ static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p
                             .beta = beta_args(sim, p, 1),
                             .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
                             .iterations_max = sim->params.pcg_iterations_max,
-                            .product_ns = sim->params.profile > 0 ? p->product_ns : NULL};
+                            .product_ns = sim->params.profile > 0 ? p->product_ns : NULL,
+                            .correct = correct_args(sim, p)};
   return a;
 }
 
 // The same in one call, where the backend can and there is nothing to exchange.
-static cloth_status solve_at_once(cloth_sim *sim, cloth_error *err)
+static cloth_status solve_at_once(cloth_sim *sim, bool *finished, cloth_error *err)
 {
   cloth_pcg_solve_args a = solve_args(sim, &sim->part[0]);
   sim->launches++;
-  return sim->backend->solve(sim->part[0].device, &a, err);
+  return sim->backend->solve(sim->part[0].device, &a, finished, err);
 }
 
 static cloth_pcg_part_args part_args(const cloth_sim *sim, const cloth_part *p)
@@ -357,16 +363,19 @@ static cloth_status read_product_time(cloth_sim *sim, cloth_error *err)
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
 {
   cloth_real scalar[CLOTH_PCG_SCALARS];
+  bool finished = false;
   CLOTH_TRY(coarsen(sim, err));
   if (sim->part_count == 1 && sim->backend->solve != NULL)
-    CLOTH_TRY(solve_at_once(sim, err));
+    CLOTH_TRY(solve_at_once(sim, &finished, err));
   else if (sim->joined)
     CLOTH_TRY(solve_together(sim, err));
   else
     CLOTH_TRY(iterate_all(sim, err));
   if (sim->params.profile > 0) CLOTH_TRY(read_product_time(sim, err));
-  CLOTH_TRY(residual(sim, err));
-  CLOTH_TRY(correct(sim, err));
+  if (!finished) {
+    CLOTH_TRY(residual(sim, err));
+    CLOTH_TRY(correct(sim, err));
+  }
   CLOTH_TRY(read_scalars(sim, scalar, err));
 
   if (scalar[CLOTH_PCG_LOST] > 0)

@@ -148,10 +148,10 @@ static cloth_status fill(cloth_device *device, void *dst, int byte, size_t bytes
 // ---- work ---------------------------------------------------------------------------------------
 
 static cloth_status solve(cloth_device *device, const struct cloth_pcg_solve_args *args,
-                          cloth_error *err)
+                          bool *finished, cloth_error *err)
 {
   (void)err;
-  return HERE(device, solve(of(device)->here, args, &of(device)->why));
+  return HERE(device, solve(of(device)->here, args, finished, &of(device)->why));
 }
 
 static cloth_status launch(cloth_device *device, cloth_kernel k, int n, const void *args,

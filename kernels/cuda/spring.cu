@@ -53,7 +53,7 @@ template <typename Together, bool AtOnce> struct worker {
     row = (int)blockIdx.x * particles + thread / LANES;
     own_row = (int)blockIdx.x * particles + thread;
     keep = static_cast<kept *>(kept_room);
-    here = tile_of(keep, particles, slots, AtOnce);
+    here = tile_of(keep, particles, b.rows, slots, AtOnce);
     keep += thread;
     here.now = records, next = records + b.rows;
     searched = searches = 0;

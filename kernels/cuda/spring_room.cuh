@@ -130,7 +130,7 @@ struct tile {
     int threads = (int)blockDim.x;
     for (int s = (int)threadIdx.x; s < slots; s += 2 * threads) {
       int t = s + threads, i = other[s], j = t < slots ? other[t] : NOBODY;
-      record a = now[i == NOBODY ? first : i], b = now[j == NOBODY ? first : j];
+      record a = now[i == NOBODY ? 0 : i], b = now[j == NOBODY ? 0 : j];
       if (i != NOBODY) x[own + s] = a.x, v[own + s] = a.v;
       if (j != NOBODY) x[own + t] = b.x, v[own + t] = b.v;
     }
@@ -145,7 +145,7 @@ inline size_t tile_bytes(int threads, int slots)
 }
 
 // behind what the threads keep
-__device__ tile tile_of(kept *threads, int particles, int slots, bool at_once)
+__device__ tile tile_of(kept *threads, int particles, int rows, int slots, bool at_once)
 {
   tile t;
   t.force = reinterpret_cast<cell *>(threads + blockDim.x);
@@ -154,7 +154,8 @@ __device__ tile tile_of(kept *threads, int particles, int slots, bool at_once)
   t.kept_of = reinterpret_cast<kept_particle *>(t.v + particles + slots);
   t.other = reinterpret_cast<int *>(t.kept_of + particles);
   t.first = (int)blockIdx.x * particles;
-  t.own = at_once ? particles : 0;
+  int left = rows > t.first ? rows - t.first : 0; // none for the last blocks of a cluster
+  t.own = !at_once ? 0 : left < particles ? left : particles;
   t.slots = at_once ? slots : 0;
   t.now = nullptr;
   return t;

@@ -2,6 +2,7 @@
 // barrier behind it, so an iteration has no launch, no read and no scalar kernel. Chunk sums are
 // added up by each block for itself; where they are many, by the block that comes last to the
 // barrier before it lets the others go. Small cloths go to solve_small.cu.
+#include "contact_pull.cuh"
 #include "launch.h"
 #include "pcg_solve.h"
 #include "reduce.cuh"
@@ -18,6 +19,14 @@ enum {
   THREADS = CLOTH_PCG_LANES,
   CHUNKS = THREADS / CLOTH_CHUNK,
   WARPS = THREADS / CLOTH_WARP
+};
+
+// What a block keeps: room for sums, and the scalars as it knows them. What it reads of them is
+// the same on every block.
+struct shared_room {
+  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_PCG_LANES / 2];
+  cloth_real scalar[CLOTH_PCG_SCALARS];
+  cloth_pull_room pulls[WARPS];
 };
 
 // r = row(k) for each vertex k of the part, then z and the partial sums of each chunk
@@ -56,27 +65,26 @@ struct rows_ahead {
   }
 };
 
-// q = A x and the partial sums x'q of each chunk
+// q = A x and the partial sums x'q of each chunk. pulls: of the contacts, NULL: there are none.
 template <typename Rows>
-__device__ void for_rows(const cloth_pcg_solve_args &a, Rows &rows, cloth_real *upper)
+__device__ void for_rows(const cloth_pcg_solve_args &a, Rows &rows, const cloth_pull *pulls,
+                         shared_room *room)
 {
   int chunks = (a.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
   for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
     int i = c + (int)threadIdx.x / CLOTH_CHUNK, row = i * CLOTH_CHUNK + lane;
     cloth_real sum[1] = {};
-    if (row < a.v.count) sum[0] = cloth_pcg_product_row(row, &a.product, rows.product(a, row));
-    cloth_block_chunk_sums(sum, upper);
+    cloth_v3 q = cloth_v3_make(0, 0, 0);
+    bool there = row < a.v.count;
+    if (there) q = rows.product(a, row);
+    if (pulls)
+      q = cloth_contact_rows_add(a, pulls, row, there, q, room->pulls[threadIdx.x / CLOTH_WARP]);
+    if (there) sum[0] = cloth_pcg_product_set(row, &a.product, q);
+    cloth_block_chunk_sums(sum, room->upper);
     if (lane == 0 && i < chunks)
       a.more_partial[CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i)] = sum[0];
   }
 }
-
-// What a block keeps: room for sums, and the scalars as it knows them. What it reads of them is
-// the same on every block.
-struct shared_room {
-  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_PCG_LANES / 2];
-  cloth_real scalar[CLOTH_PCG_SCALARS];
-};
 
 // A barrier, and set(scalar) by one thread of each block, or of the last one where there are many
 // sums. `set` is called by whole blocks.
@@ -152,10 +160,11 @@ __device__ void product(const cloth_pcg_solve_args &a, int contacts, Together &g
                         shared_room *room)
 {
   int stride = (int)(gridDim.x * blockDim.x);
+  auto *pulls = reinterpret_cast<cloth_pull *>(a.contact.q);
   for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < contacts; i += stride)
-    cloth_contact_product(i, &a.contact);
+    cloth_contact_pull_write(i, &a.contact, pulls);
   if (contacts > 0) g.sync();
-  for_rows(a, rows, room->upper);
+  for_rows(a, rows, contacts > 0 ? pulls : nullptr, room);
   meet(a, g, room, [&](cloth_real *scalar) {
     cloth_real pq[1];
     cloth_block_partial_sums(a.more_partial, a.v.chunks, pq, room->lanes);

@@ -41,21 +41,27 @@ CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)
 
 #else
 
-/// What contact i pulls with at a weight of one: tangent * sum w_b p_b.
-CLOTH_FN cloth_v3 cloth_contact_pull(int i, const cloth_contact_product_args *a)
+/// What a contact pulls with at a weight of one: tangent * sum w_b p_b.
+CLOTH_FN cloth_v3 cloth_contact_pull_of(const cloth_contact_product_args *a, const int *vertex,
+                                        const cloth_real *weight, cloth_sym3 tangent)
 {
   cloth_v3 u = cloth_v3_make(0, 0, 0), p[4];
   int in[4];
   for (int c = 0; c < 4; c++) { // all loads before the first sum, so that none waits for another
-    int v = a->vertex[4 * i + c];
-    in[c] = v < a->cloth_vertices;
-    p[c] = cloth_v3_load(a->p, in[c] ? v : 0);
+    in[c] = vertex[c] < a->cloth_vertices;
+    p[c] = cloth_v3_load(a->p, in[c] ? vertex[c] : 0);
   }
   for (int c = 0; c < 4; c++) {
-    cloth_v3 sum = cloth_v3_add_scaled(u, a->weight[4 * i + c], p[c]);
+    cloth_v3 sum = cloth_v3_add_scaled(u, weight[c], p[c]);
     u = in[c] ? sum : u;
   }
-  return cloth_sym3_mul(cloth_sym3_load(a->tangent, i), u);
+  return cloth_sym3_mul(tangent, u);
+}
+
+CLOTH_FN cloth_v3 cloth_contact_pull(int i, const cloth_contact_product_args *a)
+{
+  return cloth_contact_pull_of(a, a->vertex + 4 * i, a->weight + 4 * i,
+                               cloth_sym3_load(a->tangent, i));
 }
 
 CLOTH_FN void cloth_contact_product(int i, const cloth_contact_product_args *a)

@@ -14,6 +14,13 @@ typedef struct cloth_pcg_product_args {
   const cloth_real *done;        // [1] above 0: nothing is left to do; NULL: always multiply
 } cloth_pcg_product_args;
 
+/// Row `row` of q is stored. Returns its share of x'q.
+CLOTH_FN cloth_real cloth_pcg_product_set(int row, const cloth_pcg_product_args *a, cloth_v3 q)
+{
+  cloth_v3_store(a->q, a->first + row, q);
+  return cloth_v3_dot(cloth_v3_load(a->x, a->first + row), q);
+}
+
 /// Row `row` of q from its mesh part: contacts are added, q is stored. Returns its share of x'q.
 CLOTH_FN cloth_real cloth_pcg_product_row(int row, const cloth_pcg_product_args *a, cloth_v3 q)
 {
@@ -21,8 +28,7 @@ CLOTH_FN cloth_real cloth_pcg_product_row(int row, const cloth_pcg_product_args 
   uint32_t end = a->contact_first ? a->contact_first[2 * row + 2] : 0;
   CLOTH_UNROLL_MORE
   for (uint32_t n = begin; n < end; n++) q = cloth_v3_add(q, cloth_v3_load(a->contact_q, (int)n));
-  cloth_v3_store(a->q, a->first + row, q);
-  return cloth_v3_dot(cloth_v3_load(a->x, a->first + row), q);
+  return cloth_pcg_product_set(row, a, q);
 }
 
 CLOTH_FN void cloth_pcg_product(int i, const cloth_pcg_product_args *a)

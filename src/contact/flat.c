@@ -13,10 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A search asks for a little more than a check, so that a square which just passed is not lost at
-// once; both for more than the exact bound, which covers rounding.
-#define FLAT_SEARCH_MARGIN 0.04
-#define FLAT_CHECK_MARGIN  0.01
+// A search asks for more than a check, so that a square which just passed is not lost at once; both
+// for more than the exact bound, which covers rounding. How much more depends on how fast cloth
+// bends: where squares are lost and nothing else asks for a search, the next one asks for twice as
+// much. A square in a crumpled cloth saves few pairs, and one that is lost costs a search.
+#define FLAT_SEARCH_MARGIN      0.04
+#define FLAT_SEARCH_MARGIN_MOST 0.32
+#define FLAT_SEARCH_MARGIN_FALL 0.9 // at a search for which no square was the reason
+#define FLAT_CHECK_MARGIN       0.01
 
 // ---- tables ------------------------------------------------------------------------------------
 
@@ -203,7 +207,7 @@ cloth_status cloth_flat_build(cloth_sim *sim, cloth_error *err)
   cloth_flat_tables t = {.count = sim->def->cloth_count};
   cloth_status status = CLOTH_OK;
   cloth_flat *f = &sim->flat;
-  *f = (cloth_flat){0};
+  *f = (cloth_flat){.margin = FLAT_SEARCH_MARGIN};
   if (!sim->active[CLOTH_EFFECT_self_contact] || !sim->params.flat_culling ||
       cloth_is_mass_spring(sim))
     return CLOTH_OK;
@@ -263,7 +267,13 @@ static cloth_status judge(cloth_sim *sim, cloth_part *p, double margin, uint32_t
 
 cloth_status cloth_flat_note(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
-  return sim->flat.nodes > 0 ? judge(sim, part, FLAT_SEARCH_MARGIN, NULL, err) : CLOTH_OK;
+  return sim->flat.nodes > 0 ? judge(sim, part, sim->flat.margin, NULL, err) : CLOTH_OK;
+}
+
+void cloth_flat_expect(cloth_sim *sim, bool lost)
+{
+  double margin = sim->flat.margin * (lost ? 2 : FLAT_SEARCH_MARGIN_FALL);
+  sim->flat.margin = fmin(fmax(margin, FLAT_SEARCH_MARGIN), FLAT_SEARCH_MARGIN_MOST);
 }
 
 cloth_status cloth_flat_check(cloth_sim *sim, cloth_part *part, uint32_t *lost, cloth_error *err)

@@ -447,12 +447,16 @@ cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error 
 
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
 {
-  bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts, strayed = false, flat;
+  bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts, strayed = false, lost = false, none;
   // cloth on the move has left by its vertices, and need not be asked about its squares
   int what = VERTICES | (sim->watch.known ? WATCH : 0);
   if (!escaped) CLOTH_TRY(escaped_any(sim, what, &escaped, &strayed, err));
-  if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(escaped_any(sim, SQUARES, &escaped, &flat, err));
-  if (escaped) CLOTH_TRY(cloth_pairs_search(sim, err));
+  if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(escaped_any(sim, SQUARES, &lost, &none, err));
+  escaped = escaped || lost;
+  if (escaped) {
+    cloth_flat_expect(sim, lost);
+    CLOTH_TRY(cloth_pairs_search(sim, err));
+  }
   sim->report->pairs = 0;
   for (int p = 0; p < sim->part_count; p++) sim->report->pairs += sim->part[p].pair_count;
   return cloth_watch_update(sim, escaped, strayed, err);

@@ -216,6 +216,7 @@ typedef struct cloth_part {
 typedef struct cloth_flat {
   int tiles, nodes; // 0: nothing is culled
   int level_first[CLOTH_FLAT_LEVELS + 1];
+  double margin; // what a search asks of a square that it calls flat
 } cloth_flat;
 
 /// When parts are cut anew (state/recut.h).

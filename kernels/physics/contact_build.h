@@ -27,6 +27,7 @@ typedef struct cloth_contact_build_args {
   cloth_real *distance;    // [n] m at the start of the substep, written
   cloth_real *thickness;   // [n] m, written
   cloth_real *k;           // [n] N/m, written
+  cloth_real *inertia;     // [n] N/m, mass / step^2 of what the contact moves, written
   cloth_real *relief;      // [n] N that the force is less than the barrier, written
   cloth_real *mu;          // [n] Coulomb coefficient, written
 } cloth_contact_build_args;
@@ -96,9 +97,9 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
   a->thickness[i] = t;
 
   int counts = inverse_mass > 0 && !replaced;
-  a->k[i] = counts ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass *
-                         cloth_contact_stiffer(i, a)
-                   : 0;
+  cloth_real k = counts ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
+  a->inertia[i] = k / a->stiffness;
+  a->k[i] = counts ? k * cloth_contact_stiffer(i, a) : 0;
   int body = cloth_contact_body(s, &g);
   int relieved = !pulls && !(cloth_contact_pushed(s, &g) > t * CLOTH_CONTACT_PUSHED);
   a->relief[i] = relieved ? cloth_contact_relief(a->k[i], t, d, a->share) : 0;

@@ -30,6 +30,7 @@ typedef struct cloth_contact_force_args {
   const cloth_real *distance;  // [n] m
   const cloth_real *thickness; // [n] m
   const cloth_real *k;         // [n] N/m
+  const cloth_real *inertia;   // [n] N/m, mass / step^2 of what the contact moves
   const cloth_real *relief;    // [n] N, contact_barrier.h
   const cloth_real *mu;        // [n]
   const cloth_real *x_t0, *x;  // [vertices x 3] m
@@ -41,7 +42,6 @@ typedef struct cloth_contact_force_args {
   cloth_real *bound;           // [n] mu N at the last iterate; brought up to date
   cloth_real *secant;          // [n] N/m, stiffness along the slip there; brought up to date
   cloth_real limit;            // m, elastic slip that a contact can bear
-  cloth_real stiffness;        // that of contact, in units of mass / step^2
   cloth_real *force;           // [n x 3] N, written
   cloth_real *tangent;         // [n x 6] N/m, written
   cloth_real *pressure;        // [n] N, normal force, written
@@ -68,7 +68,7 @@ CLOTH_FN cloth_v3 cloth_contact_friction(int i, const cloth_contact_force_args *
   cloth_v3 n = cloth_v3_load(a->normal, i), before = cloth_v3_load(a->trial, i);
   cloth_v3 slip = cloth_v3_add(cloth_v3_load(a->elastic, i), cloth_friction_tangential(u, n));
   cloth_real size = cloth_v3_length(slip), bound = a->mu[i] * load;
-  cloth_real inertia = a->k[i] / a->stiffness, carried = 0; // N/m; N in the last solve
+  cloth_real inertia = a->inertia[i], carried = 0; // N/m; N in the last solve
   int state = a->state[i], slides = size > CLOTH_FRICTION_STATIC * a->limit;
   if (a->first_iterate) {
     // near rest: does it stick? A slide is taken as it is unless friction could throw it about

@@ -18,11 +18,11 @@ typedef struct cloth_friction_check_args {
   const cloth_real *distance;  // [n] m, at the start of the substep
   const cloth_real *thickness; // [n] m
   const cloth_real *k;         // [n] N/m
+  const cloth_real *inertia;   // [n] N/m, mass / step^2 of what the contact moves
   const cloth_real *relief;    // [n] N, contact_barrier.h
   const cloth_real *mu;        // [n]
   const cloth_real *x_t0, *x;  // [vertices x 3] m
   cloth_real limit;            // m
-  cloth_real stiffness;        // of contact, in units of mass / step^2
   uint32_t *count;             // [1] counts up
 } cloth_friction_check_args;
 
@@ -33,7 +33,7 @@ CLOTH_FN void cloth_friction_check(int i, const cloth_friction_check_args *a)
   cloth_v3 u = cloth_friction_motion(i, a->vertex, a->weight, a->x_t0, a->x);
   cloth_v3 now = cloth_v3_add(cloth_v3_load(a->elastic, i), cloth_friction_tangential(u, n));
   cloth_real size = cloth_v3_length(now), slope;
-  cloth_real d = a->distance[i] + cloth_v3_dot(u, n), slack = a->limit * a->k[i] / a->stiffness;
+  cloth_real d = a->distance[i] + cloth_v3_dot(u, n), slack = a->limit * a->inertia[i];
   cloth_real load = cloth_contact_barrier(a->k[i], a->thickness[i], d, &slope) - a->relief[i];
   cloth_real bound = load > 0 ? a->mu[i] * load : 0;
   int wrong;

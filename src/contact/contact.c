@@ -76,6 +76,7 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
   CLOTH_TRY(cloth_grow(sim, p, "contact_distance", real * n, &p->contact_distance, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_thickness", real * n, &p->contact_thickness, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_k", real * n, &p->contact_k, err));
+  CLOTH_TRY(cloth_grow(sim, p, "contact_inertia", real * n, &p->contact_inertia, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_relief", real * n, &p->contact_relief, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_mu", real * n, &p->contact_mu, err));
   CLOTH_TRY(cloth_grow(sim, p, "contact_force", 3 * real * n, &p->contact_force, err));
@@ -215,6 +216,7 @@ static cloth_status build(cloth_sim *sim, cloth_part *p, cloth_error *err)
                                 .distance = p->contact_distance,
                                 .thickness = p->contact_thickness,
                                 .k = p->contact_k,
+                                .inertia = p->contact_inertia,
                                 .relief = p->contact_relief,
                                 .mu = p->contact_mu};
   CLOTH_LAUNCH(sim, p, contact_build, p->contact_count, &a, err);
@@ -262,6 +264,7 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
                                   .distance = p->contact_distance,
                                   .thickness = p->contact_thickness,
                                   .k = p->contact_k,
+                                  .inertia = p->contact_inertia,
                                   .relief = p->contact_relief,
                                   .mu = p->contact_mu,
                                   .x_t0 = p->x_t0,
@@ -273,7 +276,6 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
                                   .bound = p->friction_bound,
                                   .secant = p->friction_secant,
                                   .limit = cloth_friction_limit(sim),
-                                  .stiffness = (cloth_real)cloth_contact_stiffness(sim),
                                   .force = p->contact_force,
                                   .tangent = p->contact_tangent,
                                   .pressure = p->contact_pressure};

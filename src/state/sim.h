@@ -160,7 +160,8 @@ typedef struct cloth_part {
   uint32_t *contact_toi, *contact_toi_spare; // 0, or time of an impact
   int *contact_vertex;
   cloth_real *contact_weight, *contact_normal, *contact_distance, *contact_thickness, *contact_k,
-      *contact_relief, *contact_mu, *contact_force, *contact_tangent, *contact_pressure, *contact_q;
+      *contact_inertia, *contact_relief, *contact_mu, *contact_force, *contact_tangent,
+      *contact_pressure, *contact_q;
   uint64_t *contact_row, *contact_row_spare;
   uint32_t *contact_entry, *contact_entry_spare, *contact_place, *contact_first;
   int *contact_slot;

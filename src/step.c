@@ -89,6 +89,7 @@ static cloth_status solve(cloth_sim *sim, int first, int last, int further, clot
   int owner = sim->owner, most = last + (last > 1 ? further : 0);
   double correction = 0;
   sim->owner = CLOTH_CORE;
+  sim->iteration_first = first;
   for (int n = first; n < last; n++) {
     bool settled;
     sim->iteration = n;

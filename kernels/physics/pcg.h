@@ -13,9 +13,9 @@ enum {
   CLOTH_PCG_ALPHA,
   CLOTH_PCG_BETA,
   CLOTH_PCG_RZ,       // r' z
-  CLOTH_PCG_RZ_FIRST, // r' z of the substep's first solve at its start
+  CLOTH_PCG_RZ_FIRST, // r' z at the start of the solve that this one is measured against
   CLOTH_PCG_RR,       // r' r
-  CLOTH_PCG_BB,       // b' b of the substep's first solve, over the free rows
+  CLOTH_PCG_BB,       // b' b of that, over the free rows
   CLOTH_PCG_DONE,     // 1: converged or broken down
   CLOTH_PCG_ITERATIONS,
   CLOTH_PCG_RESIDUAL, // r'r of the true residual at the end

@@ -7,7 +7,7 @@ typedef struct cloth_pcg_beta_args {
   int sums;                        // entries of `partial`: all chunks, and the hats' groups
   int start;                       // 1: right after pcg_start
   cloth_real tolerance;            // relative residual
-  int first;                       // 1: first Newton iteration of the substep
+  int first;                       // 1: later ones are measured against this one
   const cloth_real *partial;       // [chunks x CLOTH_PCG_PARTIALS] r'z, r'r
   int aggregates;                  // of the coarse level; 0: none
   const cloth_real *rest, *coarse; // [3 aggregates] N, m

@@ -349,7 +349,8 @@ struct cloth_sim {
   double h_contact; // s, that the stiffness of contacts is made from
   double gamma;     // s, length of the backward Euler step that it is: h, but for bdf2
   cloth_bdf2 bdf2;
-  int iteration; // Newton iteration of this substep
+  int iteration;       // Newton iteration of this substep
+  int iteration_first; // the one against whose right-hand side this one is measured
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
   bool mean_known;         // mean_velocity is that of the state

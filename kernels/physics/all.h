@@ -14,6 +14,7 @@
 #include "body_vertex.h"
 #include "box_chunk.h"
 #include "box_merge.h"
+#include "carrier_start.h"
 #include "cell_count.h"
 #include "cell_fill.h"
 #include "cell_mark.h"

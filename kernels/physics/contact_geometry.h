@@ -32,6 +32,7 @@ typedef struct cloth_contact_scene {
   const int *grasp_of;              // [cloth vertices] 0: none, else 1 + grasp
   const unsigned char
       *ignore;             // [grasps x bodies] 1: contacts of held vertices with the body are off
+  const uint32_t *carrier; // [vertices] what they ride on, carrier.h; NULL outside of the failsafe
   const int *stray;        // [cloth vertices] CLOTH_TANGLED and its like; NULL: nothing intersects
   int let_cloth, let_body; // 1: what has strayed through cloth, a body, may come back
   int bodies;

@@ -2,6 +2,7 @@
 // substep?
 #pragma once
 
+#include "carrier.h"
 #include "contact_find.h"
 #include "toi.h"
 #include "triangle_cross.h"
@@ -31,6 +32,16 @@ CLOTH_FN int cloth_impact_rests(const cloth_contact_scene *s, const cloth_contac
     for (int c = 0; c < 3; c++)
       if (!(s->x_t0[3 * g->vertex[k] + c] == s->x[3 * g->vertex[k] + c])) return 0;
   return 1;
+}
+
+// Does all of the pair ride on one carrier? Then it moves as one, but for rounding.
+CLOTH_FN int cloth_impact_rides(const cloth_contact_scene *s, const cloth_contact_geometry *g)
+{
+  if (!s->carrier) return 0;
+  uint32_t first = s->carrier[g->vertex[0]];
+  int same = (first & CLOTH_RIDES) != 0;
+  for (int k = 1; k < 4; k++) same &= s->carrier[g->vertex[k]] == first;
+  return same;
 }
 
 // Is all of the pair in one hold?
@@ -100,6 +111,10 @@ CLOTH_FN int cloth_impact(const cloth_contact_scene *s, uint64_t key, cloth_real
     q[k] = cloth_v3_load(s->x, g->vertex[k]);
   }
   if (driven) return cloth_impact_driven(s, g, p, q);
+  if (cloth_impact_rides(s, g)) {
+    *toi = 0;
+    return cloth_impact_driven(s, g, p, q) == CLOTH_NO_IMPACT ? CLOTH_NO_IMPACT : CLOTH_IMPACT;
+  }
   return g->type == CLOTH_VERTEX_FACE ? cloth_toi_vertex_face(p, q, gap, share, toi)
                                       : cloth_toi_edge_edge(p, q, gap, share, toi);
 }

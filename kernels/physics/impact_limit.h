@@ -1,16 +1,20 @@
-// Failsafe: if candidate i comes to an impact, its vertices may go only part of the way.
+// Failsafe: if candidate i comes to an impact, its vertices may go only part of the way, measured
+// from where the pair's carrier takes them: the lowest of those of its vertices, bodies included.
 #pragma once
 
 #include "atomic.h"
+#include "carrier.h"
 #include "impact.h"
 
 typedef struct cloth_impact_limit_args {
-  cloth_contact_scene scene;
-  int stop;             // 1: whatever is involved stays where it was
-  cloth_real gap;       // m, distance that counts as an impact
-  const uint64_t *pair; // [n]
-  uint32_t *allowed;    // [cloth vertices] of CLOTH_WHOLE, lowered
-  uint32_t *count;      // [1] impacts seen by this part; counts up
+  cloth_contact_scene scene; // with carriers
+  int stop;                  // 1: whatever is involved goes along with its carrier
+  cloth_real gap;            // m, distance that counts as an impact
+  const uint64_t *pair;      // [n]
+  uint32_t *allowed;         // [cloth vertices] of CLOTH_WHOLE, lowered
+  uint32_t *claim;           // [cloth vertices] carrier, lowered
+  uint32_t *count;           // [2] impacts seen by this part, and those in which a vertex gives way
+                             // that does not ride on the pair's carrier yet; count up
 } cloth_impact_limit_args;
 
 CLOTH_FN void cloth_impact_limit(int i, const cloth_impact_limit_args *a)
@@ -20,8 +24,19 @@ CLOTH_FN void cloth_impact_limit(int i, const cloth_impact_limit_args *a)
   cloth_real toi;
   if (cloth_impact(s, a->pair[i], a->gap, 0, &g, &toi) != CLOTH_IMPACT) return;
   cloth_real share = a->stop || !(toi > (cloth_real)0.05) ? 0 : toi * (cloth_real)0.8;
-  uint32_t allowed = (uint32_t)(share * (cloth_real)CLOTH_WHOLE);
-  for (int k = 0; k < 4; k++)
-    if (g.vertex[k] < s->cloth_vertices) cloth_atomic_min(a->allowed + g.vertex[k], allowed);
+  uint32_t allowed = (uint32_t)(share * (cloth_real)CLOTH_WHOLE), lowest = CLOTH_RIDES;
+  for (int k = 0; k < 4; k++) {
+    uint32_t carrier = s->carrier[g.vertex[k]] & ~CLOTH_RIDES;
+    lowest = carrier < lowest ? carrier : lowest;
+  }
+  int gives = 0;
+  for (int k = 0; k < 4; k++) {
+    int v = g.vertex[k];
+    if (v >= s->cloth_vertices || !(s->free[v] > 0)) continue;
+    gives |= s->carrier[v] != (lowest | CLOTH_RIDES);
+    cloth_atomic_min(a->allowed + v, allowed);
+    cloth_atomic_min(a->claim + v, lowest);
+  }
   cloth_atomic_add(a->count, 1);
+  if (gives) cloth_atomic_add(a->count + 1, 1);
 }

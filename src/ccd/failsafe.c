@@ -1,8 +1,20 @@
 // The last answer to impacts: what would pass through goes only part of its way, and so on until
-// nothing does. It ends because in the last passes whatever is still involved stays where it was.
-// A body or a held vertex that runs into cloth held back cannot be cleared this way: then the
-// substep is repeated at half its length (step.c), and what is left is reported. Pairs in which
-// nothing gives way at all are in zones.driven and no matter of the failsafe.
+// nothing does. The way is seen from a carrier: the body or hold that moves into the cloth, whose
+// rigid motion the cloth takes part in. Cloth that was held back where it is, as seen from the
+// floor, would let the body go on through it. A carrier goes on from cloth to cloth with the
+// impacts, so layers behind the first are carried too.
+//
+// Why it ends. Carriers are numbered, the world last. A vertex's carrier only ever gets a lower
+// number, and in the last passes whatever is involved is stopped on the lowest carrier of its pair
+// and stays stopped. So a pass either finds no impact, or lowers the carrier of a vertex or stops
+// one on it, which can happen only (carriers + 2) times to each; or every impact that it finds has
+// all its free cloth stopped on one carrier already. Among those it leaves nothing moves (all
+// corners ride on one carrier, which keeps distances but for rounding; rounding is put to exact
+// signs), but for bodies and holds that run into cloth which rides on another: there is no room
+// between them. Such pairs cannot be cleared this way: then the substep is repeated at half its
+// length (step.c), and what is left is reported. Pairs in which nothing gives way at all are in
+// zones.driven and no matter of the failsafe.
+#include "ccd/carriers.h"
 #include "ccd/impacts.h"
 #include "contact/close.h"
 #include "contact/contact.h"
@@ -11,53 +23,71 @@
 #include "impact_hold_back.h"
 #include "impact_limit.h"
 
-enum { STOPPING_PASSES = 5 };
-
-// lower what vertices may go; how many impacts the parts saw
-static cloth_status limit(cloth_sim *sim, bool stop, int *seen, cloth_error *err)
+// lower what vertices may go and what carries them; count: see impact_limit.h, over all parts
+static cloth_status limit(cloth_sim *sim, bool stop, uint32_t count[2], cloth_error *err)
 {
-  *seen = 0;
+  count[0] = count[1] = 0;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    uint32_t count;
+    uint32_t found[2];
     int pairs;
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LIMITED, 1, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LIMITED, 2, err));
     cloth_impact_limit_args a = {.scene = cloth_contact_scene_of(sim, p),
                                  .stop = stop,
                                  .gap = (cloth_real)cloth_impact_gap(sim),
                                  .pair = cloth_close_pairs(sim, p, &pairs),
                                  .allowed = p->allowed,
+                                 .claim = p->claim,
                                  .count = p->counter + COUNT_LIMITED};
     CLOTH_LAUNCH(sim, p, impact_limit, pairs, &a, err);
-    CLOTH_TRY(cloth_count_read(sim, p, COUNT_LIMITED, &count, err));
-    *seen += (int)count;
+    CLOTH_TRY(sim->backend->read(p->device, found, p->counter + COUNT_LIMITED, sizeof found, err));
+    for (int k = 0; k < 2; k++) count[k] += found[k];
   }
   return CLOTH_OK;
 }
 
-static cloth_status hold_back(cloth_sim *sim, cloth_error *err)
+static cloth_status hold_back(cloth_sim *sim, uint32_t carriers, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    cloth_impact_hold_back_args a = {0, p->x_t0, p->free, p->allowed, p->x};
+    cloth_impact_hold_back_args a = {.world = carriers,
+                                     .carriers = {carriers, p->carrier_motion},
+                                     .x_t0 = p->x_t0,
+                                     .free = p->free,
+                                     .allowed = p->allowed,
+                                     .claim = p->claim,
+                                     .carrier = p->carrier,
+                                     .x = p->x};
     // rows of other parts come by exchange; their limits here are incomplete and only reset
     CLOTH_LAUNCH(sim, p, impact_hold_back, sim->vertex_count, &a, err);
   }
+  CLOTH_TRY(
+      cloth_exchange(sim, offsetof(cloth_part, carrier), CLOTH_PER_VERTEX, sizeof(uint32_t), err));
   return cloth_exchange(sim, offsetof(cloth_part, x), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real),
                         err);
 }
 
-cloth_status cloth_failsafe(cloth_sim *sim, int *left, cloth_error *err)
+static cloth_status hold_back_all(cloth_sim *sim, int *left, cloth_error *err)
 {
-  int seen, passes = sim->params.failsafe_iterations_max;
-  *left = 0;
-  for (int pass = 0; pass < passes + STOPPING_PASSES; pass++) {
-    CLOTH_TRY(limit(sim, pass >= passes, &seen, err));
-    if (seen == 0) return CLOTH_OK;
-    CLOTH_TRY(hold_back(sim, err));
+  uint32_t carriers, count[2];
+  CLOTH_TRY(cloth_carriers_begin(sim, &carriers, err));
+  for (int pass = 0;; pass++) {
+    CLOTH_TRY(limit(sim, pass >= sim->params.failsafe_iterations_max, count, err));
+    if (count[0] == 0) return CLOTH_OK;
+    CLOTH_TRY(hold_back(sim, carriers, err)); // also where nothing gives: it resets the limits
+    if (count[1] == 0) break;
     CLOTH_TRY(cloth_impacts_cover(sim, err)); // a patch may be flat no more
   }
   CLOTH_TRY(cloth_impacts_find(sim, false, err));
   *left = sim->zones.found_count;
   return CLOTH_OK;
+}
+
+cloth_status cloth_failsafe(cloth_sim *sim, int *left, cloth_error *err)
+{
+  *left = 0;
+  sim->zones.carried = true;
+  cloth_status status = hold_back_all(sim, left, err);
+  sim->zones.carried = false;
+  return status;
 }

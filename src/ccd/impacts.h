@@ -4,7 +4,7 @@
 
 #include "state/sim.h"
 
-enum { COUNT_LIMITED = 4, COUNT_IMPACTS = 8 }; // places in part->counter; the last has two
+enum { COUNT_IMPACTS = 8, COUNT_LIMITED = 14 }; // places in part->counter, of two each
 
 /// Distance that counts as an impact [m].
 double cloth_impact_gap(const cloth_sim *sim);

@@ -6,6 +6,7 @@
 #include "real.h"
 #include "status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -49,6 +50,7 @@ typedef struct cloth_zones {
   int *moving;          // [4 count] vertices, zone by zone
   int *deal;            // [zones] zones of one part
   int *owner;           // [vertices] a constraint that moves it, or -1; later its place in `moving`
+  bool carried;         // the failsafe is at work: what rides on one carrier has no impact
   unsigned char *fixed; // [vertices] 1: held rigidly; all 0 outside cloth_zones_add()
 } cloth_zones;
 

@@ -48,6 +48,7 @@ cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_par
       .body_friction = p->body_friction,
       .grasp_of = p->grasp_of,
       .ignore = p->ignore,
+      .carrier = sim->zones.carried ? p->carrier : NULL,
       .bodies = sim->def->body_count,
       .thickness = (cloth_real)sim->params.thickness,
       .reach = (cloth_real)fmin(fall, sim->params.thickness),

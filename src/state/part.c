@@ -107,7 +107,7 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
                          (size_t)(sim->all_vertices - sim->vertex_count), &p->vertex_flat, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
-  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 14, &p->counter, err));
+  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 16, &p->counter, err));
   int *number = malloc(sizeof(int) * (n + (size_t)sim->all_vertices + 1));
   if (number == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "contact");
   for (int c = 0; c < sim->def->cloth_count; c++)
@@ -117,6 +117,11 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
   for (size_t v = 0; v < n; v++) number[v] = CLOTH_WHOLE;
   if (status == CLOTH_OK)
     status = cloth_upload(sim, p, "allowed", number, sizeof(int) * n, &p->allowed, err);
+  if (status == CLOTH_OK)
+    status = cloth_take(sim, p, "claim", sizeof(uint32_t) * n, &p->claim, err);
+  if (status == CLOTH_OK)
+    status = cloth_take(sim, p, "carrier", sizeof(uint32_t) * (size_t)sim->all_vertices,
+                        &p->carrier, err);
   if (status == CLOTH_OK)
     status = take_reals(sim, p, "x_solved", sim->vertex_count, 3, &p->zone.x_solved, err);
   if (status == CLOTH_OK) status = cloth_take(sim, p, "moved", n, &p->zone.moved, err);

@@ -161,6 +161,12 @@ cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_e
     body->t0 = cloth_pose_between(body->now, body->target, from);
     body->t1 = cloth_pose_between(body->now, body->target, to);
   }
+  for (int i = 0; i < sim->hold_count; i++) {
+    cloth_hold_state *hold = &sim->hold[i];
+    if (!hold->alive) continue;
+    hold->t0 = cloth_hold_frame(sim, hold, from);
+    hold->t1 = cloth_hold_frame(sim, hold, to);
+  }
   cloth_predict_args a = {.h = (cloth_real)sim->gamma};
   for (int k = 0; k < 3 && sim->active[CLOTH_EFFECT_gravity]; k++)
     a.gravity[k] = (cloth_real)sim->params.gravity[k];

@@ -178,7 +178,10 @@ typedef struct cloth_part {
   uint32_t friction_capacity, kept_capacity;
   int kept_count, kept_count_saved;
 
-  uint32_t *allowed; // [n] failsafe, see impact_limit.h
+  uint32_t *allowed, *claim;  // [n] failsafe, see impact_limit.h
+  uint32_t *carrier;          // [all vertices] see carrier.h
+  uint32_t *carrier_of;       // [bodies + holds] carrier of each
+  cloth_real *carrier_motion; // [carriers x 15]
   cloth_zone_part zone;
   cloth_spring_part spring; // integrator mass_spring
 
@@ -276,6 +279,7 @@ typedef struct cloth_hold_state {
   int *vertex;            // [count] internal
   double *local;          // [count x 3] m, in the frame
   cloth_pose now, target; // of the frame, when body is -1
+  cloth_pose t0, t1;      // of the frame in this substep
   double stiffness, break_force;
   unsigned char *ignore; // [bodies]
   double force[3], torque[3];

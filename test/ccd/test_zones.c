@@ -171,6 +171,38 @@ static int one_impact_is_its_closed_form(void)
   return 0;
 }
 
+// however often two features are pressed together, they do not come nearer step by step
+static int what_is_nearer_than_an_impact_opens_again(void)
+{
+  cloth_error err = {0};
+  cloth_def *def = def_of("cpu", 2, false);
+  cloth_sim *sim = sim_new(def);
+  move(sim, 0, 0, 1);
+  const int *f;
+  double bary[3], distance = 0.2 * cloth_impact_gap(sim);
+  int v = above(sim, &f, bary), impacts, left;
+  CHECK(v >= 0);
+  cloth_part *p = &sim->part[0];
+  for (int substep = 0; substep < 12; substep++) {
+    double before = (double)p->x_t0[3 * v + 2], after = 0;
+    if (substep == 0) before = distance, p->x_t0[3 * v + 2] = (cloth_real)distance;
+    p->x[3 * v + 2] = (cloth_real)(before - 0.0005);
+    sim->pairs_valid = false;
+    must(cloth_pairs_search(sim, &err), &err);
+    must(cloth_ccd_detect(sim, &impacts, &err), &err);
+    CHECK(impacts > 0);
+    must(cloth_ccd_resolve(sim, &left, &err), &err);
+    CHECK(left == 0 && sim->report->held_back == 0);
+    after = (double)p->x[3 * v + 2];
+    for (int k = 0; k < 3; k++) after -= bary[k] * (double)p->x[3 * f[k] + 2];
+    CHECK(after > 1.1 * distance || after > 0.8 * cloth_impact_gap(sim));
+    distance = after;
+    memcpy(p->x_t0, p->x, sizeof *p->x * 3 * (size_t)sim->vertex_count);
+  }
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
 // so that threads may close the constraints of one colour side by side
 static int constraints_of_a_colour_share_no_moving_vertex(void)
 {
@@ -244,6 +276,7 @@ int main(int argc, char **argv)
   RUN(zones_alone_are_enough_for_moderate_motion);
   RUN(zones_keep_momentum);
   RUN(one_impact_is_its_closed_form);
+  RUN(what_is_nearer_than_an_impact_opens_again);
   RUN(constraints_of_a_colour_share_no_moving_vertex);
   RUN(what_meets_nothing_is_not_touched);
   RUN(parts_solve_zones_to_the_same_bits);

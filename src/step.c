@@ -37,7 +37,7 @@ static bool is_rough(const cloth_sim *sim, double distance)
 // the first correction is the whole answer to the prediction, not what is left of the error
 static bool is_far_from_linear(const cloth_sim *sim)
 {
-  return sim->iteration > 0 && is_rough(sim, sim->correction);
+  return sim->astray || (sim->iteration > 0 && is_rough(sim, sim->correction));
 }
 
 // The time of a stage: that of the host, or with `profile` that of the first part's device, between
@@ -103,7 +103,7 @@ static cloth_status solve(cloth_sim *sim, int first, int last, int further, clot
   }
   sim->correction = correction;
   CLOTH_TRY(cloth_balance(sim, err)); // solve/balance.c    momentum of free flight
-  CLOTH_TRY(cloth_holds_measure(sim, err));
+  if (!sim->astray) CLOTH_TRY(cloth_holds_measure(sim, err));
   sim->owner = owner;
   return CLOTH_OK;
 }
@@ -138,6 +138,18 @@ static double span_of(const cloth_box *box)
               fmax((double)(box->hi.y - box->lo.y), (double)(box->hi.z - box->lo.z)));
 }
 
+// the solution is put aside, and fetched back
+static cloth_status keep_solution(cloth_sim *sim, bool back, cloth_error *err)
+{
+  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_real *x = back ? p->x : p->zone.x_solved, *from = back ? p->zone.x_solved : p->x;
+    CLOTH_TRY(cloth_copy_local(sim, p, x, from, bytes, err));
+  }
+  return CLOTH_OK;
+}
+
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
 static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, cloth_outcome *result,
@@ -149,14 +161,14 @@ static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, clot
   *met = impacts > 0, first = impacts;
   if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
+    CLOTH_TRY(keep_solution(sim, false, err));
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, 0, err));
     sim->report->contact_rounds++;
-    if (ran_away(sim)) {
-      *result = OUTCOME_UNSTABLE;
-      return CLOTH_OK;
-    }
+    sim->astray = sim->astray || ran_away(sim);
+    if (sim->astray) CLOTH_TRY(keep_solution(sim, true, err)); // zones are left, and shorter steps
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
+    if (sim->astray) break;
   }
   sim->crowd = cloth_impacts_of_cloth(sim) / cloth_crowded(sim);
   sim->helpless = 2 * impacts > first && sim->params.contact_rounds_max > 0;

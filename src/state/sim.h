@@ -355,6 +355,7 @@ struct cloth_sim {
   cloth_bdf2 bdf2;
   int iteration;       // Newton iteration of this substep
   int iteration_first; // the one against whose right-hand side this one is measured
+  bool astray;         // the last linear solve thought that it was done, and was not; or ran away
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
   bool mean_known;         // mean_velocity is that of the state

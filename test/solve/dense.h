@@ -75,7 +75,7 @@ static inline void solve_one(cloth_sim *sim, cloth_step_report *report)
   cloth_error err = {0};
   *report = (cloth_step_report){0};
   sim->report = report;
-  sim->h = 1.0 / 60, sim->time_t0 = sim->time, sim->iteration = 0;
+  sim->h = 1.0 / 60, sim->time_t0 = sim->time, sim->iteration = sim->iteration_first = 0;
   double correction;
   must(cloth_damping_set(sim, sim->h, &err), &err);
   must(cloth_predict_stage(sim, 0, 1, &err), &err);

@@ -134,6 +134,59 @@ static int reported_residual_is_that_of_the_solution(void)
   return 0;
 }
 
+// Newton goes on: what is left of b, which is a thousandth
+static int next(cloth_sim *sim, int first, double *residual)
+{
+  cloth_error err = {0};
+  double correction;
+  cloth_part *p = &sim->part[0];
+  for (int i = 0; i < DOFS; i++) p->b[i] = (cloth_real)(1e-3 * b[i]);
+  sim->iteration = 1, sim->iteration_first = first;
+  int before = report.pcg_iterations;
+  CHECK_OK(cloth_pcg(sim, &correction, &err), err);
+  double rr = 0, bb = 0;
+  for (int i = 0; i < DOFS; i++) {
+    if (!is_free(sim, i)) continue;
+    rr += (double)p->r[i] * (double)p->r[i], bb += (double)p->b[i] * (double)p->b[i];
+  }
+  *residual = sqrt(rr / bb);
+  CHECK((report.pcg_iterations > before) == (first > 0));
+  return 0;
+}
+
+// A thousandth of the first right-hand side is nothing to a later Newton iteration, and all there
+// is to a round of impacts.
+static int a_solve_is_measured_against_the_first_of_its_kind(void)
+{
+  cloth_def *def = def_of("cpu", "1e-2", "block_jacobi");
+  cloth_sim *sim = sim_of(def);
+  double residual;
+  dense_system(sim, A[0], b);
+  if (next(sim, 0, &residual)) return 1;
+  CHECK(residual == 1);
+  if (next(sim, 1, &residual)) return 1;
+  CHECK(residual <= 1e-2 * (1 + 1e-3));
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
+// A matrix that is not positive definite, as rounding may leave it, breaks the iteration down: it
+// ends, but not because it is done.
+static int a_solve_that_breaks_down_says_so(void)
+{
+  cloth_error err = {0};
+  cloth_def *def = def_of("cpu", "1e-2", "block_jacobi");
+  cloth_sim *sim = sim_of(def);
+  cloth_part *p = &sim->part[0];
+  double correction;
+  CHECK(!sim->astray && report.pcg_unconverged == 0);
+  for (int i = 0; i < 9 * CLOTH_ROW_GROUP * (int)p->row_slots; i++) p->row_val[i] = -p->row_val[i];
+  CHECK_OK(cloth_pcg(sim, &correction, &err), err);
+  CHECK(sim->astray && report.pcg_unconverged == 1);
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
 static int parts_solve_to_the_same_bits(void)
 {
   static const char *const devices[] = {"cpu", "cpu,cpu", "cpu,cpu,cpu", "cpu,cpu,cpu,cpu"};
@@ -154,6 +207,8 @@ int main(int argc, char **argv)
   int failures = 0;
   RUN(pcg_solves_what_a_dense_cholesky_solves);
   RUN(reported_residual_is_that_of_the_solution);
+  RUN(a_solve_is_measured_against_the_first_of_its_kind);
+  RUN(a_solve_that_breaks_down_says_so);
   RUN(parts_solve_to_the_same_bits);
   return failures > 0;
 }

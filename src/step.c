@@ -446,6 +446,18 @@ static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)
   sim->report = report;
 }
 
+// what follows the last substep
+static cloth_status end(cloth_sim *sim, cloth_step_report *report, cloth_error *err)
+{
+  CLOTH_TRY(arrive(sim, err));
+  CLOTH_TRY(cloth_tangles_update(sim, 0, err));
+  CLOTH_TRY(cloth_blocking_look(sim, true, err));
+  report->tangles = sim->tangles.count;
+  report->bodies_blocking = sim->blocking.count;
+  report->holds_blocking = sim->blocking.hold_count;
+  return cloth_stretch_measure(sim, err);
+}
+
 static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cloth_error *err)
 {
   double start = cloth_now_ms();
@@ -476,13 +488,12 @@ static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cl
                cloth_is_mass_spring(sim) ? sim->springs.step
                                          : h / (1 << sim->params.step_halvings_max));
   }
-  CLOTH_TRY(arrive(sim, err));
-  CLOTH_TRY(cloth_tangles_update(sim, 0, err));
-  CLOTH_TRY(cloth_blocking_look(sim, true, err));
-  report->tangles = sim->tangles.count;
-  report->bodies_blocking = sim->blocking.count;
-  report->holds_blocking = sim->blocking.hold_count;
-  CLOTH_TRY(cloth_stretch_measure(sim, err));
+  status = end(sim, report, err);
+  if (status < 0) { // all substeps stand
+    sim->time += h;
+    if (sim->transport->ranks == 1) cloth_rescue_probe(sim);
+  }
+  CLOTH_TRY(status);
   cloth_recut_note(sim);
   sim->time += h;
   report->step = ++sim->step;

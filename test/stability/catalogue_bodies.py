@@ -256,7 +256,6 @@ add('held_cloth_into_held_cloth',
     ],
     no_room=True,
     driven=True,
-    open={'it_recovers': 'the free cloth between them is kept in what it intersects, unless `untangle`'},
     quick=True)
 add('knife_at_speed', 'a blade of 2 mm at 5 m/s through a hanging towel, 8 cm a step', '',
     moves(TOWEL_MASS, 2 * 5, 'all of it at twice the speed of the blade'), [

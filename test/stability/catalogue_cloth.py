@@ -14,8 +14,7 @@ add('stiffness_membrane',
     ],
     quick=True)
 add('stiffness_anisotropic', 'warp 1e2 and 1e4 times as stiff as weft and shear', '', DRAPE,
-    [Case('%g' % k, drape({'stretch_warp': 100 * k, 'stretch_weft': 100, 'shear': 20, 'poisson': 0}), 0.6) for k in (1e2, 1e4)],
-    open={'energy_is_bounded': 'at 1e4 the crumpled cloth, everywhere in contact with itself, gains a half'})
+    [Case('%g' % k, drape({'stretch_warp': 100 * k, 'stretch_weft': 100, 'shear': 20, 'poisson': 0}), 0.6) for k in (1e2, 1e4)])
 add('stiffness_bending', 'bending from 1e-8 to 1e-2 N m: six decades; a board and a veil', '', DRAPE,
     [Case('%g N m' % k, drape({'bend_warp': k, 'bend_weft': k}), 1) for k in (1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)])
 add('stiffness_contact', 'contact springs over six decades', '', DRAPE,

@@ -23,7 +23,7 @@ typedef struct run {
 static cloth_pose hand_at(int step)
 {
   const double turn = 2 * 3.14159265358979 * step / PERIOD;
-  return pose_turned(0.06 * sin(0.37 * turn), 0.05 * sin(0.53 * turn), 0.085 - 0.055 * cos(turn), 2,
+  return pose_turned(0.06 * sin(0.37 * turn), 0.05 * sin(0.53 * turn), 0.074 - 0.055 * cos(turn), 2,
                      0.8 * sin(0.29 * turn));
 }
 

@@ -377,7 +377,7 @@ struct cloth_sim {
   double error_estimate; // m, of this substep, of the worst vertex
   double error_mean;     // m, of this substep, root mean square over the cloth
   cloth_control control; // of the parameter accuracy
-  double crowd;  // 1, impacts of this substep before zones, as a share of what is crowded (step.c)
+  double crowd;  // 1, impacts of this substep before zones, as a share of what is crowded (substep.c)
   bool helpless; // stiffer contacts did not even halve the impacts: by the looks of it no room
   int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;

@@ -130,18 +130,6 @@ static double span_of(const cloth_box *box)
               fmax((double)(box->hi.y - box->lo.y), (double)(box->hi.z - box->lo.z)));
 }
 
-// the solution is put aside, and fetched back
-static cloth_status keep_solution(cloth_sim *sim, bool back, cloth_error *err)
-{
-  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    cloth_real *x = back ? p->x : p->zone.x_solved, *from = back ? p->zone.x_solved : p->x;
-    CLOTH_TRY(cloth_copy_local(sim, p, x, from, bytes, err));
-  }
-  return CLOTH_OK;
-}
-
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
 static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, cloth_outcome *result,
@@ -153,12 +141,12 @@ static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, clot
   *met = impacts > 0, first = impacts;
   if (*met && sim->bdf2.used) return CLOTH_OK;
   for (int round = 0; impacts > 0 && round < sim->params.contact_rounds_max; round++) {
-    CLOTH_TRY(keep_solution(sim, false, err));
+    CLOTH_TRY(cloth_ccd_keep(sim, false, err));
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, 0, err));
     sim->report->contact_rounds++;
     sim->astray = sim->astray || ran_away(sim);
-    if (sim->astray) CLOTH_TRY(keep_solution(sim, true, err)); // zones are left, and shorter steps
+    if (sim->astray) CLOTH_TRY(cloth_ccd_keep(sim, true, err)); // zones are left, and shorter steps
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
     if (sim->astray) break;
   }

@@ -43,46 +43,32 @@ static void measure(const cloth_pose *t0, const cloth_pose *t1, const double cen
   }
 }
 
-// motions into sim->host
-static cloth_status list_motions(cloth_sim *sim, uint32_t *count, cloth_error *err)
+// `number` if what moves from t0 to t1 is a carrier, with its motion written, else the world
+static uint32_t carrier(const cloth_pose *t0, const cloth_pose *t1, const double center[3],
+                        uint32_t number, uint32_t world, cloth_real *motion)
 {
-  static const double origin[3] = {0, 0, 0};
-  size_t most = (size_t)sim->def->body_count + (size_t)sim->hold_count;
-  CLOTH_TRY(cloth_staging(sim, MOTION * most + 1, err));
-  cloth_real *to = sim->host;
-  for (int b = 0; b < sim->def->body_count; b++) {
-    const cloth_body *body = &sim->body[b];
-    if (!moves(&body->t0, &body->t1)) continue;
-    measure(&body->t0, &body->t1, body->center, to);
-    to += MOTION;
-  }
-  for (int h = 0; h < sim->hold_count; h++) {
-    const cloth_hold_state *hold = &sim->hold[h];
-    if (!hold->alive || hold->body >= 0 || !moves(&hold->t0, &hold->t1)) continue;
-    measure(&hold->t0, &hold->t1, origin, to);
-    to += MOTION;
-  }
-  *count = (uint32_t)((to - sim->host) / MOTION);
-  return CLOTH_OK;
+  if (!moves(t0, t1)) return world;
+  measure(t0, t1, center, motion + MOTION * number);
+  return number;
 }
 
-// the carrier of each body and then of each hold into sim->host, in the order of list_motions()
-static uint32_t *number(cloth_sim *sim, uint32_t world)
+// fills motion [world x MOTION] and of [world]: the carrier of each body and then of each hold
+static void list_carriers(const cloth_sim *sim, uint32_t world, cloth_real *motion, uint32_t *of)
 {
-  uint32_t *of = (uint32_t *)(void *)sim->host, next = 0;
-  int bodies = sim->def->body_count;
-  for (int b = 0; b < bodies; b++)
-    of[b] = moves(&sim->body[b].t0, &sim->body[b].t1) ? next++ : world;
-  for (int h = 0; h < sim->hold_count; h++) {
-    const cloth_hold_state *hold = &sim->hold[h];
-    of[bodies + h] = world;
-    if (!hold->alive) continue;
-    if (hold->body >= 0)
-      of[bodies + h] = of[hold->body];
-    else if (moves(&hold->t0, &hold->t1))
-      of[bodies + h] = next++;
+  static const double origin[3] = {0, 0, 0};
+  uint32_t n = 0;
+  memset(motion, 0, sizeof *motion * MOTION * world);
+  for (int b = 0; b < sim->def->body_count; b++, n++) {
+    const cloth_body *body = &sim->body[b];
+    of[n] = carrier(&body->t0, &body->t1, body->center, n, world, motion);
   }
-  return of;
+  for (int h = 0; h < sim->hold_count; h++, n++) {
+    const cloth_hold_state *hold = &sim->hold[h];
+    of[n] = world;
+    if (!hold->alive) continue;
+    of[n] =
+        hold->body >= 0 ? of[hold->body] : carrier(&hold->t0, &hold->t1, origin, n, world, motion);
+  }
 }
 
 cloth_status cloth_carriers_begin(cloth_sim *sim, uint32_t *count, cloth_error *err)
@@ -90,15 +76,15 @@ cloth_status cloth_carriers_begin(cloth_sim *sim, uint32_t *count, cloth_error *
   const cloth_backend *be = sim->backend;
   size_t driving = (size_t)sim->def->body_count + (size_t)sim->hold_count;
   size_t row = sizeof(cloth_real) * MOTION;
-  CLOTH_TRY(list_motions(sim, count, err));
+  CLOTH_TRY(cloth_staging(sim, (MOTION + 1) * driving + 1, err));
+  cloth_real *motion = sim->host;
+  uint32_t *of = (uint32_t *)(void *)(motion + MOTION * driving);
+  *count = (uint32_t)driving;
+  list_carriers(sim, *count, motion, of);
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_grow(sim, p, "carrier_motion", row * (driving + 1), &p->carrier_motion, err));
-    CLOTH_TRY(be->write(p->device, p->carrier_motion, sim->host, row * *count, err));
-  }
-  uint32_t *of = number(sim, *count);
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(be->write(p->device, p->carrier_motion, motion, row * driving, err));
     CLOTH_TRY(cloth_grow(sim, p, "carrier_of", sizeof *of * (driving + 1), &p->carrier_of, err));
     CLOTH_TRY(be->write(p->device, p->carrier_of, of, sizeof *of * driving, err));
     cloth_carrier_start_args a = {.cloth_vertices = sim->vertex_count,

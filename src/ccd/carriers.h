@@ -1,6 +1,6 @@
 // Carriers: the rigid motions of this substep that the failsafe holds cloth back against
-// (kernels/physics/carrier.h). First the bodies that move, in their order, then the holds that move
-// and are not on a body. What does not move is the world.
+// (kernels/physics/carrier.h). A body that moves has its own number, a hold that moves and is not
+// on a body its own behind the bodies'. What does not move is the world's, which is the last.
 #pragma once
 
 #include "carrier.h"

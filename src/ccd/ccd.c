@@ -178,14 +178,24 @@ int cloth_impacts_of_cloth(const cloth_sim *sim)
   return n;
 }
 
-// ---- the stage ----------------------------------------------------------------------------------
-
-static cloth_status remember_solved(cloth_sim *sim, cloth_error *err)
+cloth_status cloth_ccd_keep(cloth_sim *sim, bool back, cloth_error *err)
 {
   size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    CLOTH_TRY(cloth_copy_local(sim, p, p->zone.x_solved, p->x, bytes, err));
+    cloth_real *to = back ? p->x : p->zone.x_solved, *from = back ? p->zone.x_solved : p->x;
+    CLOTH_TRY(cloth_copy_local(sim, p, to, from, bytes, err));
+  }
+  return CLOTH_OK;
+}
+
+// ---- the stage ----------------------------------------------------------------------------------
+
+static cloth_status remember_solved(cloth_sim *sim, cloth_error *err)
+{
+  CLOTH_TRY(cloth_ccd_keep(sim, false, err));
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
     CLOTH_TRY(sim->backend->fill(p->device, p->zone.moved, 0, (size_t)sim->vertex_count, err));
   }
   return CLOTH_OK;

@@ -377,7 +377,7 @@ struct cloth_sim {
   double error_estimate; // m, of this substep, of the worst vertex
   double error_mean;     // m, of this substep, root mean square over the cloth
   cloth_control control; // of the parameter accuracy
-  double crowd;  // 1, impacts of this substep before zones, as a share of what is crowded (substep.c)
+  double crowd;          // 1, impacts of this substep before zones, by what is crowded (substep.c)
   bool helpless; // stiffer contacts did not even halve the impacts: by the looks of it no room
   int substeps_crowded; // least substeps of the next step; belongs to the state
   cloth_tangle_list tangles;
@@ -531,6 +531,8 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err);
 /// left.
 cloth_status cloth_balance(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
+/// What was solved for is put aside, or fetched `back`.
+cloth_status cloth_ccd_keep(cloth_sim *sim, bool back, cloth_error *err);
 int cloth_impacts_of_cloth(const cloth_sim *sim); // of cloth with cloth, of those last found
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 

@@ -37,3 +37,14 @@ static inline uint32_t roll(uint32_t *seed)
 
 /// In [-1, 1).
 static inline double roll_real(uint32_t *seed) { return (double)roll(seed) / (1 << 23) - 1; }
+
+// Are the positions of all parts those in first [vertices x 3]? `set`: of the first run, which sets
+// them.
+static inline bool same_positions(const cloth_sim *sim, cloth_real *first, bool set)
+{
+  size_t bytes = sizeof *first * 3 * (size_t)sim->vertex_count;
+  if (set) memcpy(first, sim->part[0].x, bytes);
+  for (int p = 0; p < sim->part_count; p++)
+    if (memcmp(first, sim->part[p].x, bytes) != 0) return false;
+  return true;
+}

@@ -4,7 +4,7 @@
 #include "ccd/impacts.h"
 #include "contact/close.h"
 #include "contact/contact.h"
-#include "contact/pairs.h"
+#include "contact/count.h"
 #include "effect/effect.h"
 #include "impact_find.h"
 #include "state/recut.h"
@@ -60,7 +60,7 @@ static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, clot
 {
   cloth_zone_part *z = &p->zone;
   int pairs;
-  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_IMPACTS, 2, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_IMPACTS, 2, err));
   cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                               .gap = (cloth_real)cloth_impact_gap(sim),
                               .moved = moved ? z->moved : NULL,
@@ -70,7 +70,7 @@ static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, clot
                               .capacity = z->found_capacity,
                               .driven = z->driven,
                               .driven_capacity = z->driven_capacity,
-                              .count = p->counter + COUNT_IMPACTS};
+                              .count = p->counter + CLOTH_COUNT_IMPACTS};
   cloth_work_look(p, pairs);
   return cloth_launch(sim, p, CLOTH_KERNEL_impact_find, pairs, &a, err);
 }
@@ -97,8 +97,7 @@ static cloth_status count_found(cloth_sim *sim, cloth_part *p, bool moved, uint3
 {
   const cloth_zone_part *z = &p->zone;
   for (;;) {
-    CLOTH_TRY(
-        sim->backend->read(p->device, count, p->counter + COUNT_IMPACTS, 2 * sizeof count[0], err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_IMPACTS, 2, count, err));
     if (count[0] <= z->found_capacity && count[1] <= z->driven_capacity) return CLOTH_OK;
     CLOTH_TRY(grow_found_on_part(sim, p, count, err));
     CLOTH_TRY(find_on_part(sim, p, moved, err));

@@ -18,7 +18,7 @@
 #include "ccd/impacts.h"
 #include "contact/close.h"
 #include "contact/contact.h"
-#include "contact/pairs.h"
+#include "contact/count.h"
 #include "effect/effect.h"
 #include "impact_hold_back.h"
 #include "impact_limit.h"
@@ -31,16 +31,16 @@ static cloth_status limit(cloth_sim *sim, bool stop, uint32_t count[2], cloth_er
     cloth_part *p = &sim->part[i];
     uint32_t found[2];
     int pairs;
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_LIMITED, 2, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_LIMITED, 2, err));
     cloth_impact_limit_args a = {.scene = cloth_contact_scene_of(sim, p),
                                  .stop = stop,
                                  .gap = (cloth_real)cloth_impact_gap(sim),
                                  .pair = cloth_close_pairs(sim, p, &pairs),
                                  .allowed = p->allowed,
                                  .claim = p->claim,
-                                 .count = p->counter + COUNT_LIMITED};
+                                 .count = p->counter + CLOTH_COUNT_LIMITED};
     CLOTH_LAUNCH(sim, p, impact_limit, pairs, &a, err);
-    CLOTH_TRY(sim->backend->read(p->device, found, p->counter + COUNT_LIMITED, sizeof found, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_LIMITED, 2, found, err));
     for (int k = 0; k < 2; k++) count[k] += found[k];
   }
   return CLOTH_OK;

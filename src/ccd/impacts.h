@@ -4,8 +4,6 @@
 
 #include "state/sim.h"
 
-enum { COUNT_IMPACTS = 8, COUNT_LIMITED = 14 }; // places in part->counter, of two each
-
 /// Distance that counts as an impact [m].
 double cloth_impact_gap(const cloth_sim *sim);
 

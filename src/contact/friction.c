@@ -5,7 +5,7 @@
 #include "contact/friction.h"
 
 #include "contact/contact.h"
-#include "contact/pairs.h"
+#include "contact/count.h"
 #include "effect/effect.h"
 #include "friction_check.h"
 #include "friction_keep.h"
@@ -13,8 +13,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-enum { COUNT_UNSETTLED = 6 }; // place in part->counter; contact totals use it after the solve
 
 cloth_real cloth_friction_limit(const cloth_sim *sim)
 {
@@ -76,7 +74,7 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     if (p->contact_count == 0) continue;
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_UNSETTLED, 1, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_UNSETTLED, 1, err));
     cloth_friction_check_args a = {.vertex = p->contact_vertex,
                                    .weight = p->contact_weight,
                                    .normal = p->contact_normal,
@@ -93,14 +91,14 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
                                    .x_t0 = p->x_t0,
                                    .x = p->x,
                                    .limit = cloth_friction_limit(sim),
-                                   .count = p->counter + COUNT_UNSETTLED};
+                                   .count = p->counter + CLOTH_COUNT_UNSETTLED};
     CLOTH_LAUNCH(sim, p, friction_check, p->contact_count, &a, err);
   }
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count;
     if (p->contact_count == 0) continue;
-    CLOTH_TRY(cloth_count_read(sim, p, COUNT_UNSETTLED, &count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_UNSETTLED, 1, &count, err));
     *settled = *settled && count == 0;
   }
   sim->owner = CLOTH_CORE;

@@ -1,4 +1,5 @@
 #include "contact/contact.h"
+#include "contact/count.h"
 #include "contact/pairs.h"
 #include "effect/effect.h"
 #include "state/state.h"
@@ -6,8 +7,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-enum { COUNT_TANGLES = 5 }; // place in part->counter
 
 void cloth_tangles_free(cloth_tangle_list *t)
 {
@@ -53,14 +52,14 @@ static cloth_status grow_list(cloth_tangle_list *t, int n, cloth_error *err)
 
 static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, uint32_t *count, cloth_error *err)
 {
-  CLOTH_TRY(cloth_pairs_of_part(sim, p, 0, 0, CLOTH_PAIRS_TRIANGLES, err));
+  CLOTH_TRY(cloth_pairs_of_parts(sim, p, 1, 0, 0, CLOTH_PAIRS_TRIANGLES, err));
   for (;;) {
-    CLOTH_TRY(cloth_count_clear(sim, p, COUNT_TANGLES, 1, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_TANGLES, 1, err));
     cloth_tangle_find_args a = {
-        cloth_contact_scene_of(sim, p), p->pair, p->tangle_key, p->tangle_how, p->tangle_capacity,
-        p->counter + COUNT_TANGLES};
+        cloth_contact_scene_of(sim, p),  p->pair, p->tangle_key, p->tangle_how, p->tangle_capacity,
+        p->counter + CLOTH_COUNT_TANGLES};
     CLOTH_LAUNCH(sim, p, tangle_find, p->pair_count, &a, err);
-    CLOTH_TRY(cloth_count_read(sim, p, COUNT_TANGLES, count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_TANGLES, 1, count, err));
     if (*count <= p->tangle_capacity) return CLOTH_OK;
     size_t n = *count; // too small: once more
     CLOTH_TRY(cloth_grow(sim, p, "tangle_key", 8 * n, &p->tangle_key, err));

@@ -2,13 +2,11 @@
 
 #include "contact/close.h"
 #include "contact/contact.h"
-#include "contact/pairs.h"
+#include "contact/count.h"
 #include "effect/effect.h"
 #include "state/recut.h"
 #include "watch_find.h"
 #include "watch_stray.h"
-
-enum { COUNT_WATCH = 12 }; // place in part->counter, of two: strayed, watched
 
 enum {
   AHEAD = 8,      // substeps for which pairs are chosen
@@ -65,9 +63,9 @@ static bool is_wanted(const cloth_sim *sim)
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   const cloth_watch *w = &sim->watch;
-  uint32_t *count = p->counter + COUNT_WATCH;
+  uint32_t *count = p->counter + CLOTH_COUNT_WATCH;
   double reach = MARGIN * sim->params.thickness + 3 * w->slack;
-  CLOTH_TRY(cloth_count_clear(sim, p, COUNT_WATCH, 2, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_WATCH, 2, err));
   CLOTH_TRY(cloth_watch_count(sim, p, count, err));
   cloth_watch_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                              .x0 = p->watch_x0,
@@ -102,7 +100,7 @@ static cloth_status take(cloth_sim *sim, cloth_part *p, bool *useful, cloth_erro
 {
   for (;;) {
     uint32_t count[2];
-    CLOTH_TRY(sim->backend->read(p->device, count, p->counter + COUNT_WATCH, sizeof count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_WATCH, 2, count, err));
     if (count[0] > 0 || SHARE_MOST * (int64_t)count[1] > p->pair_count) *useful = false;
     p->watch_count = (int)count[1];
     if (!*useful || count[1] <= p->watch_capacity) return CLOTH_OK;

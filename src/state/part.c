@@ -3,6 +3,7 @@
 
 #include "chunk.h"
 #include "commit_chunk.h"
+#include "contact/count.h"
 #include "effect/effect.h"
 #include "impact_find.h"
 #include "pcg.h"
@@ -107,7 +108,7 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
                          (size_t)(sim->all_vertices - sim->vertex_count), &p->vertex_flat, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
-  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * 16, &p->counter, err));
+  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * CLOTH_COUNTS, &p->counter, err));
   int *number = malloc(sizeof(int) * (n + (size_t)sim->all_vertices + 1));
   if (number == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "contact");
   for (int c = 0; c < sim->def->cloth_count; c++)

@@ -62,7 +62,7 @@ CLOTH_PARAM(double, friction, 0.3, "1", 0, 10, "Coulomb coefficient, cloth on cl
 CLOTH_PARAM(double, friction_elastic_slip, 0.01, "1", 1e-5, 1, "share of the thickness that a contact gives way before it slides")
 CLOTH_PARAM(double, pair_slack, 1e-3, "m", 0, 1e-1, "how far a vertex may stray from its prediction before pairs are searched again")
 CLOTH_CHOICE(contact_detection, 0, "continuous|discrete", "stop what would pass through within a step, or only push apart what is close: cheaper, but fast cloth may go through")
-CLOTH_PARAM(int, contact_rounds_max, 2, "1", 0, 100, "times that pairs which would pass through become contacts of a further linear system, before impact zones")
+CLOTH_PARAM(int, contact_rounds_max, 2, "1", 0, 100, "times that pairs which would pass through become contacts of a further linear system, before impact zones; and times that cloth is solved for again around what was held back")
 CLOTH_PARAM(int, zone_iterations_max, 10, "1", 0, 1000, "rounds of impact zones before the failsafe holds back what still passes through")
 CLOTH_PARAM(int, close_pairs_from, 65536, "1", 0, 2000000000, "from so many candidate pairs on, those that come near are listed, and looked at alone where that is all; 0: never. Changes no result")
 CLOTH_CHOICE(flat_culling, 1, "off|on", "leave out pairs inside flat patches, which provably cannot touch; changes no result")

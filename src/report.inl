@@ -24,7 +24,7 @@ CLOTH_REPORT(int64_t, pairs_looked, "1", "feature pairs looked at for contacts a
 CLOTH_REPORT(int, contacts_self, "1", "cloth-cloth contacts in the last linear system")
 CLOTH_REPORT(int, contacts_body, "1", "cloth-body contacts in the last linear system")
 CLOTH_REPORT(int, impacts, "1", "pairs that would pass through after the solver")
-CLOTH_REPORT(int, contact_rounds, "1", "linear systems solved again with such pairs as contacts")
+CLOTH_REPORT(int, contact_rounds, "1", "linear systems solved again with such pairs as contacts, or around what was held back")
 CLOTH_REPORT(int, zones, "1", "impact zones that kept them apart")
 CLOTH_REPORT(int, zone_largest, "1", "cloth vertices of the largest zone")
 CLOTH_REPORT(int, zone_rounds, "1", "times zones were solved and all was tested again")

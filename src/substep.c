@@ -19,7 +19,8 @@
 #define UNSETTLED 0.05
 #define ROUGH     0.15
 
-enum { FURTHER_ITERATIONS = 4 };
+// Newton iterations; those around what is held begin where the cloth had sprung back.
+enum { FURTHER_ITERATIONS = 4, HELD_ITERATIONS = 2 };
 
 // A correction above so many edges, and above all that the cloth spans: it diverges.
 #define AWAY 10
@@ -130,6 +131,33 @@ static double span_of(const cloth_box *box)
               fmax((double)(box->hi.y - box->lo.y), (double)(box->hi.z - box->lo.z)));
 }
 
+// The solve knew nothing of what zones and the failsafe moved: as it had it, the vertex under a tip
+// springs back, and the cloth around need not come along. So what the failsafe held back is felt:
+// the cloth is solved for once more around all that was moved. Not where bodies leave no room, and
+// not for zones alone, which keep momentum as holding still does not.
+static cloth_status follow_held(cloth_sim *sim, int *left, cloth_error *err)
+{
+  int impacts, rounds = sim->params.contact_rounds_max;
+  int n = sim->params.newton_iterations_max + rounds;
+  for (int k = 0; k < rounds && sim->zones.held_back > 0 && *left == 0 && !sim->astray; k++) {
+    CLOTH_TRY(cloth_ccd_pin(sim, k > 0, err));
+    cloth_status status = solve(sim, n, n + HELD_ITERATIONS, 0, err);
+    cloth_ccd_unpin(sim);
+    CLOTH_TRY(status);
+    sim->report->contact_rounds++;
+    sim->astray = sim->astray || ran_away(sim);
+    if (!sim->astray) {
+      STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
+      STAGE(ccd, cloth_ccd_resolve(sim, left, err));
+    }
+    if (sim->astray || *left > 0) {
+      *left = 0;
+      return cloth_ccd_back_to_held(sim, err);
+    }
+  }
+  return CLOTH_OK;
+}
+
 // What would pass through becomes contacts of a further system; what then still would is moved
 // apart, or held back.
 static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, cloth_outcome *result,
@@ -161,6 +189,8 @@ static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, clot
   double shift = 0;
   if (impacts > 0) CLOTH_TRY(measure_shift(sim, &shift, err));
   if (is_rough(sim, shift)) *result = OUTCOME_ROUGH;
+  if (*result == OUTCOME_GOOD || !cloth_may_cut(sim, c, *result))
+    CLOTH_TRY(follow_held(sim, left, err));
   return cloth_contact_totals(sim, err);
 }
 

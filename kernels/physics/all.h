@@ -61,6 +61,7 @@
 #include "impact_find.h"
 #include "impact_hold_back.h"
 #include "impact_limit.h"
+#include "impact_pin.h"
 #include "membrane.h"
 #include "membrane_stretch.h"
 #include "motion_chunk.h"

@@ -6,6 +6,10 @@
 #include "carrier.h"
 #include "impact.h"
 
+// A corner with less weight in the point that meets is left to its own way but in the last passes:
+// all around a vertex under a tip would be stopped with it.
+#define CLOTH_LIMIT_LIGHT (cloth_real)0.1
+
 typedef struct cloth_impact_limit_args {
   cloth_contact_scene scene; // with carriers
   int stop;                  // 1: whatever is involved goes along with its carrier
@@ -29,11 +33,13 @@ CLOTH_FN void cloth_impact_limit(int i, const cloth_impact_limit_args *a)
     uint32_t carrier = s->carrier[g.vertex[k]] & ~CLOTH_RIDES;
     lowest = carrier < lowest ? carrier : lowest;
   }
+  if (!a->stop) cloth_contact_measure_at(s, toi, &g);
   int gives = 0;
   for (int k = 0; k < 4; k++) {
     int v = g.vertex[k];
     if (v >= s->cloth_vertices || !(s->free[v] > 0)) continue;
     gives |= s->carrier[v] != (lowest | CLOTH_RIDES);
+    if (!a->stop && g.weight[k] * g.weight[k] < CLOTH_LIMIT_LIGHT * CLOTH_LIMIT_LIGHT) continue;
     cloth_atomic_min(a->allowed + v, allowed);
     cloth_atomic_min(a->claim + v, lowest);
   }

@@ -39,10 +39,11 @@
 #include "distance.h"
 #include "toi_close.h"
 
-// Steps shrink in a fixed ratio where corners come near much faster than the nearest points (edges
-// that roll on each other); there this many end some 1e-8 of the size too early, elsewhere a
-// handful do.
+// A handful of steps do, but where corners come near much faster than the nearest points (edges
+// that roll on each other, cloth that bends over a tip) the normal of now proves little. There the
+// normals of later are tried as well, which may hold for all the time until then.
 #define CLOTH_TOI_ITERATIONS_MAX 128
+#define CLOTH_TOI_SLOW           4 // steps after which it is
 
 /// Four points in straight motion, x(t) = start + t rate, relative to the second of them.
 typedef struct cloth_toi_motion {
@@ -225,11 +226,24 @@ CLOTH_FN int cloth_toi_stays_apart(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4
 }
 #endif
 
+// Until when two normals prove the features apart that are at x at time t; t where neither does.
+CLOTH_FN cloth_real cloth_toi_proved(const cloth_toi_motion *m, const cloth_v3 x[4],
+                                     const cloth_v3 n[2], cloth_real level, cloth_real enough,
+                                     cloth_real t)
+{
+  cloth_real until = t;
+  for (int c = 0; c < 2; c++) {
+    cloth_real time, least = cloth_toi_separation(m, x, n[c], level + m->error, &time);
+    if (least > enough && t + time > until) until = t + time;
+  }
+  return until;
+}
+
 CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
                               cloth_real gap, cloth_real share, cloth_real *toi)
 {
   cloth_toi_motion m = cloth_toi_motion_make(x_t0, x_t1, split);
-  cloth_real t = 0, level = 0, enough = 0;
+  cloth_real t = 0, level = 0, enough = 0, ahead = 1;
   for (int k = 0; k < CLOTH_TOI_ITERATIONS_MAX; k++) {
     cloth_v3 x[4], n[2];
     for (int p = 0; p < 4; p++) x[p] = cloth_v3_add_scaled(m.start[p], t, m.rate[p]);
@@ -242,10 +256,15 @@ CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], in
       enough = level + level / 16 + 2 * m.error;
     }
     // the normal that proves more
-    cloth_real next = t;
-    for (int c = 0; c < 2; c++) {
-      cloth_real time, least = cloth_toi_separation(&m, x, n[c], level + m.error, &time);
-      if (least > enough && t + time > next) next = t + time;
+    cloth_real next = cloth_toi_proved(&m, x, n, level, enough, t);
+    if ((k >= CLOTH_TOI_SLOW || !(next > t)) && next <= 1) {
+      cloth_real later = t + ahead < 1 ? t + ahead : 1;
+      cloth_v3 y[4];
+      for (int p = 0; p < 4; p++) y[p] = cloth_v3_add_scaled(m.start[p], later, m.rate[p]);
+      cloth_toi_normals(y, split, n);
+      cloth_real then = cloth_toi_proved(&m, x, n, level, enough, t);
+      ahead = then >= later ? 2 * ahead : ahead / 2;
+      if (then > next) next = then;
     }
     if (next > 1) return 0;
     if (!(next > t)) break;

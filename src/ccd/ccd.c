@@ -7,6 +7,7 @@
 #include "contact/count.h"
 #include "effect/effect.h"
 #include "impact_find.h"
+#include "impact_pin.h"
 #include "state/recut.h"
 
 #include <stdlib.h>
@@ -188,6 +189,43 @@ cloth_status cloth_ccd_keep(cloth_sim *sim, bool back, cloth_error *err)
   return CLOTH_OK;
 }
 
+static void exchange_free(cloth_sim *sim)
+{
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_real *free = p->free;
+    p->free = p->zone.free, p->zone.free = free;
+  }
+}
+
+cloth_status cloth_ccd_pin(cloth_sim *sim, bool more, cloth_error *err)
+{
+  size_t row = sizeof(cloth_real), n = (size_t)sim->vertex_count;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(cloth_grow(sim, p, "zone_free", row * n, &p->zone.free, err));
+    CLOTH_TRY(cloth_grow(sim, p, "x_held", row * 3 * n, &p->zone.x_held, err));
+    CLOTH_TRY(cloth_copy_local(sim, p, p->zone.x_held, p->x, row * 3 * n, err));
+    if (!more) CLOTH_TRY(cloth_copy_local(sim, p, p->zone.free, p->free, row * n, err));
+    cloth_impact_pin_args a = {p->zone.x_solved, p->x, p->zone.free};
+    CLOTH_LAUNCH(sim, p, impact_pin, sim->vertex_count, &a, err);
+  }
+  exchange_free(sim);
+  return CLOTH_OK;
+}
+
+void cloth_ccd_unpin(cloth_sim *sim) { exchange_free(sim); }
+
+cloth_status cloth_ccd_back_to_held(cloth_sim *sim, cloth_error *err)
+{
+  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->vertex_count;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(cloth_copy_local(sim, p, p->x, p->zone.x_held, bytes, err));
+  }
+  return CLOTH_OK;
+}
+
 // ---- the stage ----------------------------------------------------------------------------------
 
 static cloth_status remember_solved(cloth_sim *sim, cloth_error *err)
@@ -211,7 +249,7 @@ cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err)
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err)
 {
   cloth_zones *z = &sim->zones;
-  *left = 0;
+  *left = z->held_back = 0;
   if (z->found_count == 0) return CLOTH_OK;
   sim->report->impacts += z->found_count;
   CLOTH_TRY(remember_solved(sim, err));
@@ -232,6 +270,7 @@ cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err)
   int largest = cloth_zones_largest(z);
   sim->report->zones += z->zones;
   if (largest > sim->report->zone_largest) sim->report->zone_largest = largest;
+  z->held_back = z->found_count;
   sim->report->held_back += z->found_count;
   return z->found_count > 0 ? cloth_failsafe(sim, left, err) : CLOTH_OK;
 }

@@ -50,6 +50,7 @@ typedef struct cloth_zones {
   int *moving;          // [4 count] vertices, zone by zone
   int *deal;            // [zones] zones of one part
   int *owner;           // [vertices] a constraint that moves it, or -1; later its place in `moving`
+  int held_back;        // pairs that the last resolution left to the failsafe
   bool carried;         // the failsafe is at work: what rides on one carrier has no impact
   unsigned char *fixed; // [vertices] 1: held rigidly; all 0 outside cloth_zones_add()
 } cloth_zones;
@@ -67,6 +68,8 @@ typedef struct cloth_zone_part {
   int *vertex, *fresh, *member, *local, *first, *moving_first, *moving, *deal;
   cloth_real *weight, *normal, *apart, *multiplier, *need, *move;
   cloth_real *x_solved; // [vertices x 3] m
+  cloth_real *x_held;   // [vertices x 3] m, after impacts, before the solve around what they moved
+  cloth_real *free;     // [vertices] part->free and what impacts have moved held; in turn with it
   unsigned char *moved; // [vertices] 1: in a zone
   unsigned char *colour;
   int capacity; // constraints

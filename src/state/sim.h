@@ -534,6 +534,11 @@ cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err);
 /// What was solved for is put aside, or fetched `back`.
 cloth_status cloth_ccd_keep(cloth_sim *sim, bool back, cloth_error *err);
 int cloth_impacts_of_cloth(const cloth_sim *sim); // of cloth with cloth, of those last found
+/// What impacts have moved from where the solve put it is held where it is, until unpinned; `more`:
+/// and all that was held the last time. Positions are put aside.
+cloth_status cloth_ccd_pin(cloth_sim *sim, bool more, cloth_error *err);
+void cloth_ccd_unpin(cloth_sim *sim);
+cloth_status cloth_ccd_back_to_held(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_ccd_resolve(cloth_sim *sim, int *left, cloth_error *err);
 
 // ---- parts (solve/exchange.c, solve/halo.c) -----------------------------------------------------

@@ -14,6 +14,7 @@ typedef struct cloth_impact_hold_back_args {
   uint32_t *claim;        // [vertices] carrier; reset to the world
   uint32_t *carrier;      // [vertices] with CLOTH_RIDES; lowered to the claim
   cloth_real *x;          // [vertices x 3] m
+  unsigned char *moved;   // [vertices] written: 1 where an impact asked for less than the whole way
 } cloth_impact_hold_back_args;
 
 CLOTH_FN void cloth_impact_hold_back(int i, const cloth_impact_hold_back_args *a)
@@ -22,6 +23,7 @@ CLOTH_FN void cloth_impact_hold_back(int i, const cloth_impact_hold_back_args *a
   uint32_t allowed = a->allowed[v], claim = a->claim[v], before = a->carrier[v];
   a->allowed[v] = CLOTH_WHOLE;
   a->claim[v] = a->world;
+  a->moved[v] = allowed < CLOTH_WHOLE;
   if (allowed >= CLOTH_WHOLE || !(a->free[v] > 0)) return;
   uint32_t carrier = before & ~CLOTH_RIDES;
   if (claim < carrier) carrier = claim;

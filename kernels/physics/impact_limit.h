@@ -11,14 +11,15 @@
 #define CLOTH_LIMIT_LIGHT (cloth_real)0.1
 
 typedef struct cloth_impact_limit_args {
-  cloth_contact_scene scene; // with carriers
-  int stop;                  // 1: whatever is involved goes along with its carrier
-  cloth_real gap;            // m, distance that counts as an impact
-  const uint64_t *pair;      // [n]
-  uint32_t *allowed;         // [cloth vertices] of CLOTH_WHOLE, lowered
-  uint32_t *claim;           // [cloth vertices] carrier, lowered
-  uint32_t *count;           // [2] impacts seen by this part, and those in which a vertex gives way
-                             // that does not ride on the pair's carrier yet; count up
+  cloth_contact_scene scene;  // with carriers
+  int stop;                   // 1: whatever is involved goes along with its carrier
+  cloth_real gap;             // m, distance that counts as an impact
+  const uint64_t *pair;       // [n]
+  const unsigned char *moved; // [cloth vertices] only pairs with a vertex so marked; NULL: all
+  uint32_t *allowed;          // [cloth vertices] of CLOTH_WHOLE, lowered
+  uint32_t *claim;            // [cloth vertices] carrier, lowered
+  uint32_t *count; // [2] impacts seen by this part, and those in which a vertex gives way
+                   // that does not ride on the pair's carrier yet; count up
 } cloth_impact_limit_args;
 
 CLOTH_FN void cloth_impact_limit(int i, const cloth_impact_limit_args *a)
@@ -26,7 +27,7 @@ CLOTH_FN void cloth_impact_limit(int i, const cloth_impact_limit_args *a)
   const cloth_contact_scene *s = &a->scene;
   cloth_contact_geometry g;
   cloth_real toi;
-  if (cloth_impact(s, a->pair[i], a->gap, 0, &g, &toi) != CLOTH_IMPACT) return;
+  if (cloth_impact(s, a->pair[i], a->gap, a->moved, &g, &toi) != CLOTH_IMPACT) return;
   cloth_real share = a->stop || !(toi > (cloth_real)0.05) ? 0 : toi * (cloth_real)0.8;
   uint32_t allowed = (uint32_t)(share * (cloth_real)CLOTH_WHOLE), lowest = CLOTH_RIDES;
   for (int k = 0; k < 4; k++) {

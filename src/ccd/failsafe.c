@@ -23,8 +23,10 @@
 #include "impact_hold_back.h"
 #include "impact_limit.h"
 
-// lower what vertices may go and what carries them; count: see impact_limit.h, over all parts
-static cloth_status limit(cloth_sim *sim, bool stop, uint32_t count[2], cloth_error *err)
+// lower what vertices may go and what carries them; moved: only in pairs with a vertex that was
+// held back last; count: see impact_limit.h, over all parts
+static cloth_status limit(cloth_sim *sim, bool stop, bool moved, uint32_t count[2],
+                          cloth_error *err)
 {
   count[0] = count[1] = 0;
   for (int i = 0; i < sim->part_count; i++) {
@@ -36,6 +38,7 @@ static cloth_status limit(cloth_sim *sim, bool stop, uint32_t count[2], cloth_er
                                  .stop = stop,
                                  .gap = (cloth_real)cloth_impact_gap(sim),
                                  .pair = cloth_close_pairs(sim, p, &pairs),
+                                 .moved = moved ? p->zone.moved : NULL,
                                  .allowed = p->allowed,
                                  .claim = p->claim,
                                  .count = p->counter + CLOTH_COUNT_LIMITED};
@@ -57,12 +60,14 @@ static cloth_status hold_back(cloth_sim *sim, uint32_t carriers, cloth_error *er
                                      .allowed = p->allowed,
                                      .claim = p->claim,
                                      .carrier = p->carrier,
-                                     .x = p->x};
+                                     .x = p->x,
+                                     .moved = p->zone.moved};
     // rows of other parts come by exchange; their limits here are incomplete and only reset
     CLOTH_LAUNCH(sim, p, impact_hold_back, sim->vertex_count, &a, err);
   }
   CLOTH_TRY(
       cloth_exchange(sim, offsetof(cloth_part, carrier), CLOTH_PER_VERTEX, sizeof(uint32_t), err));
+  CLOTH_TRY(cloth_exchange(sim, offsetof(cloth_part, zone.moved), CLOTH_PER_VERTEX, 1, err));
   return cloth_exchange(sim, offsetof(cloth_part, x), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real),
                         err);
 }
@@ -71,8 +76,11 @@ static cloth_status hold_back_all(cloth_sim *sim, int *left, cloth_error *err)
 {
   uint32_t carriers, count[2];
   CLOTH_TRY(cloth_carriers_begin(sim, &carriers, err));
-  for (int pass = 0;; pass++) {
-    CLOTH_TRY(limit(sim, pass >= sim->params.failsafe_iterations_max, count, err));
+  for (int pass = 0, most = sim->params.failsafe_iterations_max;; pass++) {
+    // what was not held back has no new impact; where that is all, all is tested
+    bool some = pass > 0 && pass != most;
+    CLOTH_TRY(limit(sim, pass >= most, some, count, err));
+    if (some && count[1] == 0) CLOTH_TRY(limit(sim, pass >= most, false, count, err));
     if (count[0] == 0) return CLOTH_OK;
     CLOTH_TRY(hold_back(sim, carriers, err)); // also where nothing gives: it resets the limits
     if (count[1] == 0) break;

@@ -31,19 +31,21 @@
 // of the distance is asked for: then the coordinates are the state itself, not rounded from
 // another.
 //
+// Where a share of the distance is asked for, what ran out of iterations, and in float what
+// rounding hides, is put to planes that turn (toi_turn.h).
+//
 // Sources: B. Mirtich, Timewise Rigid Body Simulation, 2000 (conservative advancement); X. Zhang,
 // M. Lee, Y. Kim, Interactive Continuous Collision Detection for Non-Convex Polyhedra, 2006 (motion
 // along a normal).
 #pragma once
 
-#include "distance.h"
 #include "toi_close.h"
+#include "toi_turn.h"
 
-// A handful of steps do, but where corners come near much faster than the nearest points (edges
-// that roll on each other, cloth that bends over a tip) the normal of now proves little. There the
-// normals of later are tried as well, which may hold for all the time until then.
+// Steps shrink in a fixed ratio where corners come near much faster than the nearest points (edges
+// that roll on each other); there this many end some 1e-8 of the size too early, elsewhere a
+// handful do.
 #define CLOTH_TOI_ITERATIONS_MAX 128
-#define CLOTH_TOI_SLOW           4 // steps after which it is
 
 /// Four points in straight motion, x(t) = start + t rate, relative to the second of them.
 typedef struct cloth_toi_motion {
@@ -51,14 +53,6 @@ typedef struct cloth_toi_motion {
   cloth_real error;           // m  how far a separation along a unit normal may be off
   int split;                  // 1  points before this one are the first feature
 } cloth_toi_motion;
-
-CLOTH_FN cloth_real cloth_toi_largest(cloth_v3 v, cloth_real most)
-{
-  cloth_real x = cloth_fabs(v.x), y = cloth_fabs(v.y), z = cloth_fabs(v.z);
-  most = x > most ? x : most;
-  most = y > most ? y : most;
-  return z > most ? z : most;
-}
 
 CLOTH_FN cloth_toi_motion cloth_toi_motion_make(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4],
                                                 int split)
@@ -75,59 +69,6 @@ CLOTH_FN cloth_toi_motion cloth_toi_motion_make(const cloth_v3 x_t0[4], const cl
   m.error = CLOTH_REAL_EPSILON * (64 * relative + 4 * absolute);
   m.split = split;
   return m;
-}
-
-// v with its component along e taken out; v where e has no direction
-CLOTH_FN cloth_v3 cloth_toi_across(cloth_v3 v, cloth_v3 e)
-{
-  cloth_real ee = cloth_v3_dot(e, e);
-  return ee > 0 ? cloth_v3_add_scaled(v, -cloth_v3_dot(v, e) / ee, e) : v;
-}
-
-// Two normals worth trying at the positions x, from the first feature to the second, of any length.
-// The first is made of the edges that hold the nearest points: where the distance is small its
-// difference vector (the second) is mostly rounding, and an error in n counts with the size of the
-// features.
-CLOTH_FN void cloth_toi_normals(const cloth_v3 x[4], int split, cloth_v3 n[2])
-{
-  if (split == 1) {
-    cloth_real w[3];
-    cloth_distance_vertex_face_sq(x[0], x[1], x[2], x[3], w);
-    cloth_v3 d = cloth_v3_scale(w[0], cloth_v3_sub(x[1], x[0]));
-    d = cloth_v3_add_scaled(d, w[1], cloth_v3_sub(x[2], x[0]));
-    d = cloth_v3_add_scaled(d, w[2], cloth_v3_sub(x[3], x[0]));
-    cloth_v3 face = cloth_v3_cross(cloth_v3_sub(x[2], x[1]), cloth_v3_sub(x[3], x[1]));
-    n[0] = n[1] = d;
-    // beside a face, but little: the plane of a large face is known far better than the difference
-    cloth_real lean = cloth_v3_dot(face, d);
-    if (lean * lean > (cloth_real)0.81 * cloth_v3_dot(face, face) * cloth_v3_dot(d, d))
-      n[1] = cloth_v3_scale(lean < 0 ? -1 : 1, face);
-    if (w[0] > 0 && w[1] > 0 && w[2] > 0)
-      n[0] = face, n[1] = d;
-    else if (w[0] > 0 && w[1] > 0)
-      n[0] = cloth_toi_across(d, cloth_v3_sub(x[2], x[1]));
-    else if (w[1] > 0 && w[2] > 0)
-      n[0] = cloth_toi_across(d, cloth_v3_sub(x[3], x[2]));
-    else if (w[2] > 0 && w[0] > 0)
-      n[0] = cloth_toi_across(d, cloth_v3_sub(x[1], x[3]));
-  } else {
-    cloth_real s, t;
-    cloth_distance_edge_edge_sq(x[0], x[1], x[2], x[3], &s, &t);
-    cloth_v3 u = cloth_v3_sub(x[1], x[0]), v = cloth_v3_sub(x[3], x[2]);
-    cloth_v3 d =
-        cloth_v3_sub(cloth_v3_add_scaled(cloth_v3_sub(x[2], x[0]), t, v), cloth_v3_scale(s, u));
-    int inside_u = s > 0 && s<1, inside_v = t> 0 && t < 1;
-    n[0] = n[1] = d;
-    if (inside_u && inside_v) {
-      n[0] = cloth_v3_cross(u, v);
-      n[1] =
-          cloth_toi_across(d, cloth_v3_dot(u, u) > cloth_v3_dot(v, v) ? u : v); // nearly parallel
-    } else if (inside_u)
-      n[0] = cloth_toi_across(d, u);
-    else if (inside_v)
-      n[0] = cloth_toi_across(d, v);
-  }
-  if (cloth_v3_dot(n[0], n[1]) < 0) n[0] = cloth_v3_scale(-1, n[0]);
 }
 
 // Smallest separation along n of the corners at x, and the time in which one of them falls to
@@ -151,104 +92,17 @@ CLOTH_FN cloth_real cloth_toi_separation(const cloth_toi_motion *m, const cloth_
   return least;
 }
 
-#ifdef CLOTH_SINGLE_PRECISION
-typedef struct cloth_toi_double3 {
-  double x, y, z;
-} cloth_toi_double3;
-
-CLOTH_FN cloth_toi_double3 cloth_toi_double3_between(cloth_v3 a, cloth_v3 b) // exact for near ones
-{
-  cloth_toi_double3 d = {(double)a.x - (double)b.x, (double)a.y - (double)b.y,
-                         (double)a.z - (double)b.z};
-  return d;
-}
-
-CLOTH_FN double cloth_toi_double3_dot(cloth_toi_double3 a, cloth_toi_double3 b)
-{
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-// The normal of the face, or of both edges, at x, of any length.
-CLOTH_FN cloth_toi_double3 cloth_toi_double3_normal(const cloth_v3 x[4], int split)
-{
-  cloth_toi_double3 u = cloth_toi_double3_between(split == 1 ? x[2] : x[1], x[split == 1]);
-  cloth_toi_double3 v = cloth_toi_double3_between(x[3], split == 1 ? x[1] : x[2]);
-  cloth_toi_double3 n = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-  return n;
-}
-
-// Smallest separation along n of the corners at x [m], the second feature behind the first; NaN if
-// a coordinate is.
-CLOTH_FN double cloth_toi_separation_double(const cloth_v3 x[4], int split, cloth_toi_double3 n)
-{
-  double length = sqrt(cloth_toi_double3_dot(n, n)), least = 0;
-  for (int i = 0; i < split; i++)
-    for (int j = split; j < 4; j++) {
-      double h = cloth_toi_double3_dot(n, cloth_toi_double3_between(x[j], x[i]));
-      if ((i == 0 && j == split) || (least == least && !(h >= least))) least = h;
-    }
-  return length > 0 ? least / length : -1;
-}
-
-// Does one plane keep the features apart for the whole step? Along it the corners move in straight
-// lines, so start and end tell. Tried are those of the face or of both edges at the start and at
-// the end, on either side, and those that the search would begin with.
-CLOTH_FN int cloth_toi_stays_apart(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
-                                   cloth_real gap, cloth_real share)
-{
-  enum { PLANES = 6 };
-  cloth_v3 x[4], search[2];
-  cloth_real size = 0;
-  for (int p = 0; p < 4; p++) {
-    x[p] = cloth_v3_sub(x_t0[p], x_t0[1]);
-    size = cloth_toi_largest(x_t1[p], cloth_toi_largest(x_t0[p], size));
-  }
-  cloth_toi_normals(x, split, search);
-  cloth_toi_double3 n[PLANES];
-  n[0] = cloth_toi_double3_normal(x_t0, split);
-  n[1] = cloth_toi_double3_normal(x_t1, split);
-  for (int c = 0; c < 2; c++) {
-    cloth_toi_double3 back = {-n[c].x, -n[c].y, -n[c].z};
-    cloth_toi_double3 first = {(double)search[c].x, (double)search[c].y, (double)search[c].z};
-    n[2 + c] = back, n[4 + c] = first;
-  }
-  double start[PLANES], kept = 0;
-  for (int c = 0; c < PLANES; c++) {
-    start[c] = cloth_toi_separation_double(x_t0, split, n[c]);
-    if (start[c] > kept) kept = start[c];
-  }
-  double level = fmin((double)gap, (double)share * kept);
-  double rounding = share > 0 ? 64 * 2.2204460492503131e-16 : 4 * (double)CLOTH_REAL_EPSILON;
-  level += rounding * (double)size;
-  for (int c = 0; c < PLANES; c++)
-    if (start[c] > level && cloth_toi_separation_double(x_t1, split, n[c]) > level) return 1;
-  return 0;
-}
-#endif
-
-// Until when two normals prove the features apart that are at x at time t; t where neither does.
-CLOTH_FN cloth_real cloth_toi_proved(const cloth_toi_motion *m, const cloth_v3 x[4],
-                                     const cloth_v3 n[2], cloth_real level, cloth_real enough,
-                                     cloth_real t)
-{
-  cloth_real until = t;
-  for (int c = 0; c < 2; c++) {
-    cloth_real time, least = cloth_toi_separation(m, x, n[c], level + m->error, &time);
-    if (least > enough && t + time > until) until = t + time;
-  }
-  return until;
-}
-
 CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
                               cloth_real gap, cloth_real share, cloth_real *toi)
 {
   cloth_toi_motion m = cloth_toi_motion_make(x_t0, x_t1, split);
-  cloth_real t = 0, level = 0, enough = 0, ahead = 1;
-  for (int k = 0; k < CLOTH_TOI_ITERATIONS_MAX; k++) {
+  cloth_real t = 0, level = 0, enough = 0;
+  int steps = 0;
+  for (; steps < CLOTH_TOI_ITERATIONS_MAX; steps++) {
     cloth_v3 x[4], n[2];
     for (int p = 0; p < 4; p++) x[p] = cloth_v3_add_scaled(m.start[p], t, m.rate[p]);
     cloth_toi_normals(x, split, n);
-    if (k == 0) {
+    if (steps == 0) {
       cloth_real skip, kept = cloth_toi_separation(&m, x, n[0], 0, &skip);
       cloth_real other = cloth_toi_separation(&m, x, n[1], 0, &skip);
       kept = share * (other > kept ? other : kept);
@@ -256,15 +110,10 @@ CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], in
       enough = level + level / 16 + 2 * m.error;
     }
     // the normal that proves more
-    cloth_real next = cloth_toi_proved(&m, x, n, level, enough, t);
-    if ((k >= CLOTH_TOI_SLOW || !(next > t)) && next <= 1) {
-      cloth_real later = t + ahead < 1 ? t + ahead : 1;
-      cloth_v3 y[4];
-      for (int p = 0; p < 4; p++) y[p] = cloth_v3_add_scaled(m.start[p], later, m.rate[p]);
-      cloth_toi_normals(y, split, n);
-      cloth_real then = cloth_toi_proved(&m, x, n, level, enough, t);
-      ahead = then >= later ? 2 * ahead : ahead / 2;
-      if (then > next) next = then;
+    cloth_real next = t;
+    for (int c = 0; c < 2; c++) {
+      cloth_real time, least = cloth_toi_separation(&m, x, n[c], level + m.error, &time);
+      if (least > enough && t + time > next) next = t + time;
     }
     if (next > 1) return 0;
     if (!(next > t)) break;
@@ -272,8 +121,13 @@ CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], in
   }
 #ifdef CLOTH_SINGLE_PRECISION
   if (cloth_toi_stays_apart(x_t0, x_t1, split, gap, share)) return 0;
+  double apart = (double)t; // t stays: contacts are measured there, in float
+  if (share > 0 && cloth_toi_turn_search(x_t0, x_t1, split, gap, share, &apart)) return 0;
 #else
   if (level == 0 && !cloth_toi_close(x_t0, x_t1, split, t)) return 0;
+  if (level > 0 && steps == CLOTH_TOI_ITERATIONS_MAX &&
+      cloth_toi_turn_search(x_t0, x_t1, split, gap, share, &t))
+    return 0;
 #endif
   *toi = t;
   return 1;

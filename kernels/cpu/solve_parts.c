@@ -68,15 +68,25 @@ static void send_to_nodes(const machine *m, bool start)
   for (int row = 0; row < m->a->solve.v.count; row++) cloth_hat_row_send(m->a, row, start);
 }
 
+// a group's sum of a field of `partial`
+static cloth_real term_of(const cloth_pcg_vectors *v, int field, int group)
+{
+  return cloth_group_sum(v->partial + field, v->chunks, CLOTH_PCG_PARTIALS, group);
+}
+
 // the sums of r of the part's chunks
 static void send_residuals(const machine *m)
 {
   const cloth_pcg_vectors *v = &m->a->solve.v;
-  size_t begin = (size_t)(v->first / CLOTH_CHUNK) * CLOTH_PCG_PARTIALS;
-  size_t n = (size_t)chunks_of(m) * CLOTH_PCG_PARTIALS;
-  for (int j = 0; j < m->a->parts; j++)
-    for (size_t k = begin; j != m->a->me && k < begin + n; k++)
-      m->a->peer[j].partial[k] = v->partial[k];
+  int begin = v->first / CLOTH_CHUNK, end = begin + chunks_of(m);
+  for (int i = cloth_own_groups_begin(v); i < cloth_own_groups_end(v); i++)
+    cloth_residual_terms_send(m->a, i, term_of(v, 0, i), term_of(v, 1, i));
+  for (int j = 0; j < m->a->parts && v->coarse; j++)
+    for (int c = begin; j != m->a->me && c < end; c++)
+      for (int f = 2; f < CLOTH_PCG_PARTIALS; f++) {
+        size_t at = (size_t)c * CLOTH_PCG_PARTIALS + (size_t)f;
+        m->a->peer[j].partial[at] = v->partial[at];
+      }
   signal(m, cloth_residuals_signal(m->iteration));
 }
 
@@ -95,11 +105,9 @@ static void send_directions(const machine *m)
 static void send_products(const machine *m)
 {
   const cloth_pcg_vectors *v = &m->a->solve.v;
-  int begin = v->first / CLOTH_CHUNK;
   send_to_nodes(m, false);
-  for (int j = 0; j < m->a->parts; j++)
-    for (int c = begin; c < begin + chunks_of(m); c++)
-      m->a->peer[j].pq[c] = v->partial[(size_t)c * CLOTH_PCG_PARTIALS];
+  for (int i = cloth_own_groups_begin(v); i < cloth_own_groups_end(v); i++)
+    cloth_product_term_send(m->a, i, term_of(v, 0, i));
   signal(m, cloth_products_signal(m->iteration));
 }
 
@@ -127,7 +135,7 @@ static phase fine(const machine *m)
   hats.done = NULL;
   for (int i = cloth_hat_share_begin(s); has_hats(m) && i < cloth_hat_share_end(s); i++) {
     cloth_hat_rest(i, &hats);
-    cloth_hat_group_send(m->a, i);
+    cloth_hat_group_send(m->a, i, hats.partial[(size_t)i * CLOTH_PCG_PARTIALS]);
   }
   for (int c = s->begin; has_hats(m) && c < s->end; c++) cloth_hat_node_send(m->a, c);
   send_residuals(m);
@@ -141,23 +149,38 @@ static void spread(const machine *m)
     if (cloth_hat_is_mine(m->a, c)) cloth_hat_spread_node(c, h);
 }
 
+// beta from the terms, of which those of the hats' other levels are the part's own
+static void set_beta(const machine *m)
+{
+  const cloth_pcg_solve_args *s = &m->a->solve;
+  const cloth_hats *h = &s->v.hats;
+  int groups = cloth_chunk_groups(s->v.chunks), fine_groups = cloth_hat_fine_groups(h);
+  cloth_real *rz_of = s->terms.rz + groups;
+  for (int i = fine_groups; has_hats(m) && i < s->beta.more; i++)
+    rz_of[i] = s->hats.partial[(size_t)i * CLOTH_PCG_PARTIALS];
+  cloth_real rz = cloth_terms_sum(s->terms.rz, groups + s->beta.more);
+  if (s->v.coarse) rz += cloth_coarse_rz(s->beta.rest, s->beta.coarse, s->v.aggregates);
+  cloth_pcg_beta_args beta = s->beta;
+  beta.start = m->iteration == 0;
+  cloth_pcg_beta_set(&beta, rz, cloth_terms_sum(s->terms.rr, groups));
+}
+
 // what is left after the residuals: coarse correction, beta, direction
 static phase turn(const machine *m)
 {
   const cloth_pcg_solve_args *s = &m->a->solve;
-  cloth_pcg_beta_args beta = s->beta;
   cloth_pcg_direction_args direction = {s->v};
   cloth_coarse_rest_args rest = s->rest;
   cloth_coarse_solve_args coarse = s->coarse;
   cloth_hat_rest_args hats = s->hats;
-  beta.start = m->iteration == 0, hats.done = NULL;
-  if (beta.start) rest.done = coarse.done = NULL; // it is still that of the solve before
+  hats.done = NULL;
+  if (m->iteration == 0) rest.done = coarse.done = NULL; // it is still that of the solve before
   if (s->v.coarse) {
     run(m, CLOTH_KERNEL_coarse_rest, s->v.aggregates, &rest);
     run(m, CLOTH_KERNEL_coarse_solve, 3 * s->v.aggregates, &coarse);
   }
   if (has_hats(m)) run(m, CLOTH_KERNEL_hat_rest_upper, cloth_hat_groups(&hats.hats), &hats);
-  cloth_pcg_beta(0, &beta);
+  set_beta(m);
   if (s->v.scalar[CLOTH_PCG_DONE] > 0 || m->iteration == s->iterations_max) return ENDED;
   spread(m);
   run(m, CLOTH_KERNEL_pcg_direction, chunks_of(m), &direction);
@@ -169,8 +192,8 @@ static phase update(machine *m)
 {
   const cloth_pcg_solve_args *s = &m->a->solve;
   cloth_pcg_update_args u = {s->v};
-  const cloth_real *pq = m->a->peer[m->a->me].pq;
-  cloth_pcg_alpha_set(s->v.scalar, cloth_chunks_sum(pq, s->v.chunks, 1));
+  int groups = cloth_chunk_groups(s->v.chunks);
+  cloth_pcg_alpha_set(s->v.scalar, cloth_terms_sum(s->terms.pq, groups));
   if (s->v.scalar[CLOTH_PCG_DONE] > 0) return ENDED;
   run(m, CLOTH_KERNEL_pcg_update, chunks_of(m), &u);
   for (int i = 0; i < m->a->share.other_count; i++)

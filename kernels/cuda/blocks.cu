@@ -201,20 +201,20 @@ __global__ void __launch_bounds__(CLOTH_WARP)
 __global__ void __launch_bounds__(CLOTH_PCG_LANES)
     alpha_kernel(const __grid_constant__ cloth_pcg_alpha_args a)
 {
-  __shared__ cloth_real lanes[CLOTH_PCG_LANES / 2];
+  __shared__ cloth_real lanes[CLOTH_PCG_LANES];
   if (a.scalar[CLOTH_PCG_DONE] > 0) return;
   cloth_real pq[1];
-  cloth_block_partial_sums(a.partial, a.chunks, pq, lanes);
+  cloth_block_partial_sums(a.partial, a.chunks, 0, pq, lanes);
   if (threadIdx.x == 0) cloth_pcg_alpha_set(a.scalar, pq[0]);
 }
 
 __global__ void __launch_bounds__(CLOTH_PCG_LANES)
     beta_kernel(const __grid_constant__ cloth_pcg_beta_args a)
 {
-  __shared__ cloth_real lanes[CLOTH_PCG_LANES / 2];
+  __shared__ cloth_real lanes[2 * CLOTH_PCG_LANES];
   if (!a.start && a.scalar[CLOTH_PCG_DONE] > 0) return;
   cloth_real sum[2];
-  cloth_block_partial_sums(a.partial, a.sums, sum, lanes);
+  cloth_block_partial_sums(a.partial, a.chunks, a.more, sum, lanes);
   if (threadIdx.x > 0) return;
   cloth_real rz = sum[0], rr = sum[1];
   if (a.aggregates > 0) rz += cloth_coarse_rz(a.rest, a.coarse, a.aggregates);
@@ -224,9 +224,9 @@ __global__ void __launch_bounds__(CLOTH_PCG_LANES)
 __global__ void __launch_bounds__(CLOTH_PCG_LANES)
     finish_kernel(const __grid_constant__ cloth_pcg_finish_args a)
 {
-  __shared__ cloth_real lanes[CLOTH_PCG_LANES / 2], larger[CLOTH_PCG_LANES / CLOTH_WARP];
+  __shared__ cloth_real lanes[CLOTH_PCG_LANES], larger[CLOTH_PCG_LANES / CLOTH_WARP];
   cloth_real rr[1], v = 0;
-  cloth_block_partial_sums(a.partial, a.chunks, rr, lanes);
+  cloth_block_partial_sums(a.partial, a.chunks, 0, rr, lanes);
   for (int c = (int)threadIdx.x; c < a.chunks; c += CLOTH_PCG_LANES)
     v = cloth_larger(v, a.largest[c]);
   v = cloth_warp_larger(v);
@@ -358,7 +358,8 @@ __global__ void __launch_bounds__(HAT_THREADS)
 {
   __shared__ cloth_real shares[CLOTH_HAT_FINE_GROUP];
   if (a.done && *a.done > 0) return;
-  cloth_block_hat_rest(&a, (int)blockIdx.x, shares);
+  cloth_real rz = cloth_block_hat_rest(&a, (int)blockIdx.x, shares);
+  if (threadIdx.x == 0) a.partial[CLOTH_PCG_PARTIALS * (int)blockIdx.x] = rz;
 }
 
 __global__ void __launch_bounds__(HAT_THREADS)
@@ -366,7 +367,9 @@ __global__ void __launch_bounds__(HAT_THREADS)
 {
   __shared__ cloth_real shares[CLOTH_HAT_GROUP];
   if (a.done && *a.done > 0) return;
-  cloth_block_hat_upper(&a, (int)blockIdx.x, shares);
+  cloth_real rz = cloth_block_hat_upper(&a, (int)blockIdx.x, shares);
+  int group = cloth_hat_fine_groups(&a.hats) + (int)blockIdx.x;
+  if (threadIdx.x == 0) a.partial[CLOTH_PCG_PARTIALS * group] = rz;
 }
 
 // a warp for each node

@@ -76,26 +76,37 @@ static __device__ __forceinline__ void cloth_block_chunk_sums(cloth_real (&v)[F]
     for (int f = 0; f < F; f++) v[f] = cloth_warp_sum(v[f] + upper[f * CLOTH_WARP]);
 }
 
-/// z of vertex k from its r, and the sums over the chunk of 64 neighbouring threads, written on the
-/// chunk's first thread. cloth_pcg_chunk_finish() by threads. Every thread of the chunk must come
-/// here; r is zero where `there` is false. first: of the chunk; shared [chunks x
-/// CLOTH_CHUNK_SHARED].
-static __device__ __forceinline__ void cloth_block_z(const cloth_pcg_vectors *v, int first, int k,
-                                                     bool there, cloth_v3 r, cloth_real *shared)
+/// z of vertex k from its r, and the sums r'z, r'r over the chunk of 64 neighbouring threads, on
+/// the chunk's first thread, which writes those of r where there are aggregates.
+/// cloth_pcg_chunk_finish() by threads. Every thread of the chunk must come here; r is zero where
+/// `there` is false. first: of the chunk; shared [chunks x CLOTH_CHUNK_SHARED].
+static __device__ __forceinline__ void cloth_block_z_sums(const cloth_pcg_vectors *v, int first,
+                                                          int k, bool there, cloth_v3 r,
+                                                          cloth_real (&terms)[2],
+                                                          cloth_real *shared)
 {
   bool writes = threadIdx.x % CLOTH_CHUNK == 0 && there;
-  cloth_real terms[2] = {0, 0}, *partial = v->partial + CLOTH_PCG_PARTIALS * (first / CLOTH_CHUNK);
+  cloth_real *partial = v->partial + CLOTH_PCG_PARTIALS * (first / CLOTH_CHUNK);
+  terms[0] = terms[1] = 0;
   if (there) {
     cloth_v3 z = cloth_pcg_z(k, v, r);
     cloth_v3_store(v->z, k, z);
     terms[0] = cloth_v3_dot(r, z), terms[1] = cloth_v3_dot(r, r);
   }
   cloth_block_chunk_sums(terms, shared);
-  if (writes) partial[0] = terms[0], partial[1] = terms[1];
   if (!v->coarse) return;
   cloth_real total[3] = {r.x, r.y, r.z};
   cloth_block_chunk_sums(total, shared);
   for (int f = 0; f < 3 && writes; f++) partial[2 + f] = total[f];
+}
+
+/// The same with all sums written.
+static __device__ __forceinline__ void cloth_block_z(const cloth_pcg_vectors *v, int first, int k,
+                                                     bool there, cloth_v3 r, cloth_real *shared)
+{
+  cloth_real terms[2], *partial = v->partial + CLOTH_PCG_PARTIALS * (first / CLOTH_CHUNK);
+  cloth_block_z_sums(v, first, k, there, r, terms, shared);
+  if (threadIdx.x % CLOTH_CHUNK == 0 && there) partial[0] = terms[0], partial[1] = terms[1];
 }
 
 /// Sum of three numbers over `Lanes` neighbouring threads, on the first of them.
@@ -151,51 +162,23 @@ static __device__ __forceinline__ cloth_real cloth_block_hats(const cloth_hats *
   return cloth_block_hats_set<Lanes, Group>(h, cloth_lanes_v3<Lanes>(rest), begin, end, shared);
 }
 
-/// Group i of the first level, of the others, with the sum written.
-static __device__ __forceinline__ void cloth_block_hat_rest(const cloth_hat_rest_args *a, int i,
-                                                            cloth_real *shared)
+/// Group i of the first level, of the others. Their share of r'z on the first thread.
+static __device__ __forceinline__ cloth_real cloth_block_hat_rest(const cloth_hat_rest_args *a,
+                                                                  int i, cloth_real *shared)
 {
   int begin = i * CLOTH_HAT_FINE_GROUP, end = begin + CLOTH_HAT_FINE_GROUP;
   if (end > a->hats.fine) end = a->hats.fine;
-  cloth_real sum = cloth_block_hats<CLOTH_HAT_FINE_LANES, CLOTH_HAT_FINE_GROUP>(&a->hats, a->r,
-                                                                                begin, end, shared);
-  if (threadIdx.x == 0) a->partial[CLOTH_PCG_PARTIALS * i] = sum;
+  return cloth_block_hats<CLOTH_HAT_FINE_LANES, CLOTH_HAT_FINE_GROUP>(&a->hats, a->r, begin, end,
+                                                                      shared);
 }
 
-static __device__ __forceinline__ void cloth_block_hat_upper(const cloth_hat_rest_args *a, int i,
-                                                             cloth_real *shared)
+static __device__ __forceinline__ cloth_real cloth_block_hat_upper(const cloth_hat_rest_args *a,
+                                                                   int i, cloth_real *shared)
 {
   const cloth_hats *h = &a->hats;
   int begin = h->fine + i * CLOTH_HAT_GROUP, end = begin + CLOTH_HAT_GROUP;
   if (end > h->nodes) end = h->nodes;
-  cloth_real sum =
-      cloth_block_hats<CLOTH_HAT_LANES, CLOTH_HAT_GROUP>(h, h->rest, begin, end, shared);
-  if (threadIdx.x == 0) a->partial[CLOTH_PCG_PARTIALS * (cloth_hat_fine_groups(h) + i)] = sum;
-}
-
-/// cloth_partial_sum() of fields 0 .. F - 1 by a block of CLOTH_PCG_LANES threads, on thread 0.
-/// shared [CLOTH_PCG_LANES / 2]. Every thread of the block must come here.
-template <int F>
-static __device__ __forceinline__ void cloth_block_partial_sums(const cloth_real *partial,
-                                                                int chunks, cloth_real (&sum)[F],
-                                                                cloth_real *shared)
-{
-  enum { WARPS = CLOTH_PCG_LANES / CLOTH_WARP };
-  int l = (int)threadIdx.x, lane = l % CLOTH_WARP, warp = l / CLOTH_WARP;
-  for (int f = 0; f < F; f++) sum[f] = 0;
-#pragma unroll 8
-  for (int c = l; c < chunks; c += CLOTH_PCG_LANES)
-    for (int f = 0; f < F; f++) sum[f] += partial[CLOTH_PCG_PARTIALS * c + f];
-  // the tree adds lanes 128, 64, 32 apart first: warp w to warps w + 4, w + 2, w + 1
-  for (int width = WARPS / 2; width > 0; width /= 2)
-    for (int f = 0; f < F; f++) {
-      __syncthreads();
-      if (warp >= width && warp < 2 * width) shared[(warp - width) * CLOTH_WARP + lane] = sum[f];
-      __syncthreads();
-      if (warp < width) sum[f] += shared[warp * CLOTH_WARP + lane];
-    }
-  if (warp == 0)
-    for (int f = 0; f < F; f++) sum[f] = cloth_warp_sum(sum[f]);
+  return cloth_block_hats<CLOTH_HAT_LANES, CLOTH_HAT_GROUP>(h, h->rest, begin, end, shared);
 }
 
 // CLOTH_PCG_LANES numbers by one warp: lane l has numbers l, l + 32, ... Every warp that does it
@@ -221,4 +204,36 @@ static __device__ __forceinline__ cloth_real cloth_warp_lanes_sum(cloth_real (&v
   for (int width = CLOTH_WARP / 2; width > 0; width /= 2)
     v[0] += __shfl_xor_sync(0xffffffffu, v[0], width);
   return v[0];
+}
+
+/// The sums of F numbers of each thread of a block of CLOTH_PCG_LANES along that tree, on all
+/// threads. shared [F x CLOTH_PCG_LANES], which nobody reads any more. Every thread of the block
+/// must come here.
+template <int F>
+static __device__ __forceinline__ void cloth_block_lanes_sums(cloth_real (&sum)[F],
+                                                              cloth_real *shared)
+{
+  for (int f = 0; f < F; f++) shared[f * CLOTH_PCG_LANES + (int)threadIdx.x] = sum[f];
+  __syncthreads();
+  for (int f = 0; f < F; f++) {
+    cloth_real v[CLOTH_LANES_EACH];
+    cloth_warp_lanes(v, [&](int l) { return shared[f * CLOTH_PCG_LANES + l]; });
+    sum[f] = cloth_warp_lanes_sum(v);
+  }
+}
+
+/// cloth_partial_sum() of fields 0 .. F - 1 by a block of CLOTH_PCG_LANES threads, on all of them.
+/// shared as above.
+template <int F>
+static __device__ __forceinline__ void
+cloth_block_partial_sums(const cloth_real *partial, int chunks, int more, cloth_real (&sum)[F],
+                         cloth_real *shared)
+{
+  int terms = cloth_chunk_groups(chunks) + more;
+  for (int f = 0; f < F; f++) sum[f] = 0;
+#pragma unroll 4
+  for (int e = (int)threadIdx.x; e < terms; e += CLOTH_PCG_LANES)
+    for (int f = 0; f < F; f++)
+      sum[f] += cloth_sum_term(partial + f, chunks, CLOTH_PCG_PARTIALS, e);
+  cloth_block_lanes_sums(sum, shared);
 }

@@ -1,8 +1,8 @@
 // A whole linear solve as one kernel: every step is a loop over chunks by all blocks, with a
-// barrier behind it, so an iteration has no launch, no read and no scalar kernel. Chunk sums are
-// added up by each block for itself; where they are many, by the block that comes last to the
-// barrier before it lets the others go. Small cloths go to solve_small.cu.
+// barrier behind it, so an iteration has no launch, no read and no scalar kernel. Sums over all
+// chunks are added up by each block for itself (group_sums.cuh). Small cloths go to solve_small.cu.
 #include "contact_pull.cuh"
+#include "group_sums.cuh"
 #include "launch.h"
 #include "pcg_solve.h"
 #include "reduce.cuh"
@@ -15,7 +15,6 @@ namespace {
 enum {
   RESIDENT = 4,
   SPARSE = 2, // blocks on a multiprocessor for scenes that have no more: registers to load ahead
-  FEW_SUMS = 4 * CLOTH_PCG_LANES, // that each block adds up for itself
   THREADS = CLOTH_PCG_LANES,
   CHUNKS = THREADS / CLOTH_CHUNK,
   WARPS = THREADS / CLOTH_WARP
@@ -24,23 +23,42 @@ enum {
 // What a block keeps: room for sums, and the scalars as it knows them. What it reads of them is
 // the same on every block.
 struct shared_room {
-  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_PCG_LANES / 2];
+  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[2 * CLOTH_PCG_LANES];
+  cloth_tile_room tiles;
   cloth_real scalar[CLOTH_PCG_SCALARS];
   cloth_pull_room pulls[WARPS];
 };
 
-// r = row(k) for each vertex k of the part, then z and the partial sums of each chunk
-template <typename Row>
-__device__ void for_levels(const cloth_pcg_solve_args &a, cloth_real *upper, Row row)
+// tiles of the part: see group_sums.cuh
+__device__ int tiles_of(const cloth_pcg_solve_args &a)
 {
-  int chunks = (a.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
-  for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
-    int k = a.v.first + (c + (int)threadIdx.x / CLOTH_CHUNK) * CLOTH_CHUNK + lane;
-    cloth_v3 r = cloth_v3_make(0, 0, 0);
-    bool there = k < a.v.first + a.v.count;
-    if (there) r = row(k);
-    cloth_block_z(&a.v, k - lane, k, there, r, upper);
-  }
+  return (a.v.count + THREADS - 1) / THREADS;
+}
+
+// the term of group k of a tile; -1: it is not there
+__device__ int term_of(const cloth_pcg_solve_args &a, int tile, int k)
+{
+  int i = tile * CHUNKS / cloth_chunk_group(a.v.chunks) + k + cloth_own_groups_begin(&a.v);
+  return i < cloth_own_groups_end(&a.v) ? i : -1;
+}
+
+// r = row(k) for each vertex k of the part, then z and the terms of r'z and r'r
+template <typename Row>
+__device__ void for_levels(const cloth_pcg_solve_args &a, shared_room *room, Row row)
+{
+  cloth_for_tiles<2>(
+      tiles_of(a), cloth_chunk_group(a.v.chunks), room->tiles,
+      [&](int tile, cloth_real(&sum)[2]) {
+        int k = a.v.first + tile * THREADS + (int)threadIdx.x;
+        cloth_v3 r = cloth_v3_make(0, 0, 0);
+        bool there = k < a.v.first + a.v.count;
+        if (there) r = row(k);
+        cloth_block_z_sums(&a.v, k - (int)threadIdx.x % CLOTH_CHUNK, k, there, r, sum, room->upper);
+      },
+      [&](int tile, int k, const cloth_real(&sum)[2]) {
+        int i = term_of(a, tile, k);
+        if (i >= 0) a.terms.rz[i] = sum[0], a.terms.rr[i] = sum[1];
+      });
 }
 
 // how a row is multiplied: from memory, a few slots at a time
@@ -65,56 +83,31 @@ struct rows_ahead {
   }
 };
 
-// q = A x and the partial sums x'q of each chunk. pulls: of the contacts, NULL: there are none.
+// q = A x and the terms of x'q. pulls: of the contacts, NULL: there are none.
 template <typename Rows>
 __device__ void for_rows(const cloth_pcg_solve_args &a, Rows &rows, const cloth_pull *pulls,
                          shared_room *room)
 {
-  int chunks = (a.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
-  for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
-    int i = c + (int)threadIdx.x / CLOTH_CHUNK, row = i * CLOTH_CHUNK + lane;
-    cloth_real sum[1] = {};
-    cloth_v3 q = cloth_v3_make(0, 0, 0);
-    bool there = row < a.v.count;
-    if (there) q = rows.product(a, row);
-    if (pulls)
-      q = cloth_contact_rows_add(a, pulls, row, there, q, room->pulls[threadIdx.x / CLOTH_WARP]);
-    if (there) sum[0] = cloth_pcg_product_set(row, &a.product, q);
-    cloth_block_chunk_sums(sum, room->upper);
-    if (lane == 0 && i < chunks)
-      a.more_partial[CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i)] = sum[0];
-  }
+  cloth_for_tiles<1>(
+      tiles_of(a), cloth_chunk_group(a.v.chunks), room->tiles,
+      [&](int tile, cloth_real(&sum)[1]) {
+        int row = tile * THREADS + (int)threadIdx.x;
+        cloth_v3 q = cloth_v3_make(0, 0, 0);
+        bool there = row < a.v.count;
+        if (there) q = rows.product(a, row);
+        if (pulls)
+          q = cloth_contact_rows_add(a, pulls, row, there, q,
+                                     room->pulls[threadIdx.x / CLOTH_WARP]);
+        if (there) sum[0] = cloth_pcg_product_set(row, &a.product, q);
+        cloth_block_chunk_sums(sum, room->upper);
+      },
+      [&](int tile, int k, const cloth_real(&sum)[1]) {
+        int i = term_of(a, tile, k);
+        if (i >= 0) a.terms.pq[i] = sum[0];
+      });
 }
 
-// A barrier, and set(scalar) by one thread of each block, or of the last one where there are many
-// sums. `set` is called by whole blocks.
-template <typename Together, typename Set>
-__device__ void meet(const cloth_pcg_solve_args &a, Together &g, shared_room *room, Set set)
-{
-  if (a.beta.sums <= FEW_SUMS) {
-    g.sync();
-    set(room->scalar);
-  } else {
-    g.sync([&] { set(a.v.scalar); });
-    if (threadIdx.x < CLOTH_PCG_SCALARS) room->scalar[threadIdx.x] = a.v.scalar[threadIdx.x];
-  }
-  __syncthreads();
-}
-
-__device__ void beta_of(const cloth_pcg_solve_args &a, int start, cloth_real *lanes,
-                        cloth_real *scalar)
-{
-  cloth_real sums[2];
-  cloth_block_partial_sums(a.beta.partial, a.beta.sums, sums, lanes);
-  cloth_real rz = sums[0], rr = sums[1];
-  if (a.v.coarse && threadIdx.x < CLOTH_WARP) rz += cloth_warp_coarse_rz(a.beta);
-  if (threadIdx.x > 0) return;
-  cloth_pcg_beta_args beta = a.beta;
-  beta.start = start, beta.scalar = scalar;
-  cloth_pcg_beta_set(&beta, rz, rr);
-}
-
-// after r, z and their sums: coarse correction, beta, direction
+// after r, z and their terms: coarse correction, beta, direction
 template <typename Together>
 __device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, shared_room *room)
 {
@@ -135,14 +128,25 @@ __device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, shar
   }
   const cloth_hats *h = &a.v.hats;
   if (h->nodes > 0) { // the first level from r, the others from the first
+    cloth_real *fine = a.terms.rz + cloth_chunk_groups(a.v.chunks);
+    cloth_real *upper = fine + cloth_hat_fine_groups(h);
     g.sync();
-    for (int i = (int)blockIdx.x; i < cloth_hat_fine_groups(h); i += (int)gridDim.x)
-      cloth_block_hat_rest(&a.hats, i, room->lanes);
+    for (int i = (int)blockIdx.x; i < cloth_hat_fine_groups(h); i += (int)gridDim.x) {
+      cloth_real rz = cloth_block_hat_rest(&a.hats, i, room->lanes);
+      if (threadIdx.x == 0) fine[i] = rz;
+    }
     g.sync();
-    for (int i = (int)blockIdx.x; i < cloth_hat_groups(h); i += (int)gridDim.x)
-      cloth_block_hat_upper(&a.hats, i, room->lanes);
+    for (int i = (int)blockIdx.x; i < cloth_hat_groups(h); i += (int)gridDim.x) {
+      cloth_real rz = cloth_block_hat_upper(&a.hats, i, room->lanes);
+      if (threadIdx.x == 0) upper[i] = rz;
+    }
   }
-  meet(a, g, room, [&](cloth_real *scalar) { beta_of(a, start, room->lanes, scalar); });
+  cloth_beta_sums sums(a, a.v.coarse || h->nodes > 0);
+  g.arrive();
+  sums.add_early(a.terms);
+  g.wait();
+  sums.add_rest(a.terms);
+  cloth_block_beta(a, start, sums, room->scalar, room->lanes);
   if (room->scalar[CLOTH_PCG_DONE] > 0) return;
   for (int i = (int)(blockIdx.x * blockDim.x + threadIdx.x); i < h->fine;
        i += (int)(gridDim.x * blockDim.x))
@@ -165,11 +169,8 @@ __device__ void product(const cloth_pcg_solve_args &a, int contacts, Together &g
     cloth_contact_pull_write(i, &a.contact, pulls);
   if (contacts > 0) g.sync();
   for_rows(a, rows, contacts > 0 ? pulls : nullptr, room);
-  meet(a, g, room, [&](cloth_real *scalar) {
-    cloth_real pq[1];
-    cloth_block_partial_sums(a.more_partial, a.v.chunks, pq, room->lanes);
-    if (threadIdx.x == 0) cloth_pcg_alpha_set(scalar, pq[0]);
-  });
+  g.sync();
+  cloth_block_alpha(a, room->scalar, room->lanes);
 }
 
 template <typename Rows, typename Together>
@@ -180,7 +181,7 @@ __device__ void solve(const cloth_pcg_solve_args &a, Together g)
   int contacts = cloth_pcg_contacts(&a);
   cloth_stopwatch products(a.product_ns);
   if (threadIdx.x < CLOTH_PCG_SCALARS) room.scalar[threadIdx.x] = a.v.scalar[threadIdx.x];
-  for_levels(a, room.upper, [&](int k) { return cloth_pcg_start_row(k, &a.v); });
+  for_levels(a, &room, [&](int k) { return cloth_pcg_start_row(k, &a.v); });
   turn(a, g, 1, &room);
   for (int n = 0; n < a.iterations_max && !(room.scalar[CLOTH_PCG_DONE] > 0); n++) {
     products.start();
@@ -188,7 +189,7 @@ __device__ void solve(const cloth_pcg_solve_args &a, Together g)
     products.stop();
     if (room.scalar[CLOTH_PCG_DONE] > 0) break;
     cloth_real alpha = room.scalar[CLOTH_PCG_ALPHA];
-    for_levels(a, room.upper, [&](int k) { return cloth_pcg_update_row(k, &a.v, alpha); });
+    for_levels(a, &room, [&](int k) { return cloth_pcg_update_row(k, &a.v, alpha); });
     turn(a, g, 0, &room);
   }
   __syncthreads();

@@ -1,12 +1,13 @@
 // A linear solve by several devices: one cooperative kernel on each, all at the same time, in each
 // other's memory. kernels/physics/pcg_part.h says who tells whom what. Inside a device it is the
 // kernel of solve.cu: loops over chunks by all blocks, with a barrier behind each; the block that
-// comes last to a barrier gives the signal to the other devices and waits for theirs.
+// comes last to a barrier gives the signal to the other devices and waits for theirs. Sums over all
+// chunks are added up by each block for itself (group_sums.cuh), from terms that all devices have.
 //
 // Nothing hangs: who waits longer than PATIENCE gives up, tells the others, and all leave.
+#include "group_sums.cuh"
 #include "launch.h"
 #include "pcg_part.h"
-#include "reduce.cuh"
 #include "stopwatch.cuh"
 
 namespace {
@@ -22,6 +23,14 @@ enum {
 constexpr uint64_t PATIENCE = 10000000000u; // ns
 
 using part_args = cloth_pcg_part_args;
+
+// What a block keeps: room for sums, and the scalars as it knows them: the same on every block of
+// every device.
+struct shared_room {
+  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[2 * CLOTH_PCG_LANES];
+  cloth_tile_room tiles;
+  cloth_real scalar[CLOTH_PCG_SCALARS];
+};
 
 struct grid {
   const part_args &a;
@@ -127,57 +136,98 @@ template <typename Last> __device__ void barrier(grid &g, bool far, Last last)
   __syncthreads();
 }
 
+// The same without `last`, in two halves.
+__device__ void arrive(grid &g)
+{
+  g.barriers++;
+  __syncthreads();
+  if (threadIdx.x > 0) return;
+  __threadfence();
+  atomicAdd(g.arrived, 1);
+}
+
+__device__ void wait(const grid &g)
+{
+  if (threadIdx.x == 0) {
+    const volatile unsigned *arrived = g.arrived;
+    unsigned all = g.barriers * gridDim.x;
+    spin(g, [&] { return *arrived >= all; });
+    __threadfence();
+  }
+  __syncthreads();
+}
+
 __device__ void barrier(grid &g)
 {
-  barrier(g, false, [] {});
+  arrive(g);
+  wait(g);
 }
 
 // ---- phases -------------------------------------------------------------------------------------
 
-// r = row(k) for each vertex k of the part, then z and the partial sums of each chunk, for
-// everybody
-template <typename Row> __device__ void for_levels(const part_args &a, cloth_real *upper, Row row)
+// sums of r of a chunk, which the same thread wrote, for the others
+__device__ void send_chunk(const part_args &a, int chunk)
 {
-  const cloth_pcg_vectors &v = a.solve.v;
-  int chunks = (v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK, lane = (int)threadIdx.x % CLOTH_CHUNK;
-  for (int c = (int)blockIdx.x * CHUNKS; c < chunks; c += (int)gridDim.x * CHUNKS) {
-    int i = c + (int)threadIdx.x / CLOTH_CHUNK, k = v.first + i * CLOTH_CHUNK + lane;
-    cloth_v3 r = cloth_v3_make(0, 0, 0);
-    bool there = k < v.first + v.count;
-    if (there) r = row(k);
-    cloth_block_z(&v, k - lane, k, there, r, upper);
-    if (lane > 0 || i >= chunks) continue;
-    const cloth_real *from = v.partial + CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK);
-    for (int j = 0; j < a.parts; j++)
-      for (int f = 0; j != a.me && f < (v.coarse ? CLOTH_PCG_PARTIALS : 2); f++)
-        a.peer[j].partial[from - v.partial + f] = from[f];
-  }
+  const cloth_real *from = a.solve.v.partial + CLOTH_PCG_PARTIALS * chunk;
+  for (int j = 0; j < a.parts; j++)
+    for (int f = 2; j != a.me && f < CLOTH_PCG_PARTIALS; f++)
+      a.peer[j].partial[CLOTH_PCG_PARTIALS * chunk + f] = from[f];
 }
 
-// q = A p of chunks [begin, end) of the order, and their sums p'q for everybody. From chunk `wait`
-// of the order on the directions of the others are needed.
-__device__ void for_rows(const grid &g, int begin, int end, int wait, int number, cloth_real *upper)
+// r = row(k) for each vertex k of the part, then z and the terms of r'z and r'r, for everybody
+template <typename Row> __device__ void for_levels(const part_args &a, shared_room *room, Row row)
+{
+  const cloth_pcg_vectors &v = a.solve.v;
+  int group = cloth_chunk_group(v.chunks), first = cloth_own_groups_begin(&v);
+  cloth_for_tiles<2>((v.count + THREADS - 1) / THREADS, group, room->tiles,
+                     [&](int tile, cloth_real(&sum)[2]) {
+                       int lane = (int)threadIdx.x % CLOTH_CHUNK;
+                       int k = v.first + tile * THREADS + (int)threadIdx.x;
+                       cloth_v3 r = cloth_v3_make(0, 0, 0);
+                       bool there = k < v.first + v.count;
+                       if (there) r = row(k);
+                       cloth_block_z_sums(&v, k - lane, k, there, r, sum, room->upper);
+                       if (lane == 0 && there && v.coarse) send_chunk(a, k / CLOTH_CHUNK);
+                     },
+                     [&](int tile, int k, const cloth_real(&sum)[2]) {
+                       int i = first + tile * CHUNKS / group + k;
+                       if (i < cloth_own_groups_end(&v))
+                         cloth_residual_terms_send(&a, i, sum[0], sum[1]);
+                     });
+}
+
+// q = A p of chunks [begin, end) of the order, and the terms of p'q for everybody. Both are whole
+// tiles, but for the order's end (halo_group.h). From chunk `wait` of the order on the directions
+// of the others are needed.
+__device__ void for_rows(const grid &g, int begin, int end, int wait, int number, shared_room *room)
 {
   const part_args &a = g.a;
   const cloth_pcg_product_args &product = a.solve.product;
-  int lane = (int)threadIdx.x % CLOTH_CHUNK;
+  const cloth_pcg_vectors &v = a.solve.v;
+  int group = cloth_chunk_group(v.chunks);
   bool waited = false;
-  for (int c = begin + (int)blockIdx.x * CHUNKS; c < end; c += (int)gridDim.x * CHUNKS) {
-    if (!waited && c + CHUNKS > wait) {
-      await(g, number);
-      waited = true;
-    }
-    int at = c + (int)threadIdx.x / CLOTH_CHUNK;
-    int i = at < end ? (int)a.order[at] : 0, row = i * CLOTH_CHUNK + lane;
-    cloth_real sum[1] = {};
-    if (at < end && row < a.solve.v.count)
-      sum[0] = cloth_pcg_product_row(row, &product,
-                                     cloth_block_row_product(&product.rows, row, product.x));
-    if (at < end && row < a.solve.v.count) cloth_hat_row_send(&a, row, 0);
-    cloth_block_chunk_sums(sum, upper);
-    if (lane == 0 && at < end)
-      for (int j = 0; j < a.parts; j++) a.peer[j].pq[a.solve.v.first / CLOTH_CHUNK + i] = sum[0];
-  }
+  cloth_for_tiles<1>(
+      (end - begin + CHUNKS - 1) / CHUNKS, group, room->tiles,
+      [&](int tile, cloth_real(&sum)[1]) {
+        int c = begin + tile * CHUNKS, at = c + (int)threadIdx.x / CLOTH_CHUNK;
+        if (!waited && c + CHUNKS > wait) {
+          await(g, number);
+          waited = true;
+        }
+        int i = at < end ? (int)a.order[at] : 0;
+        int row = i * CLOTH_CHUNK + (int)threadIdx.x % CLOTH_CHUNK;
+        if (at < end && row < v.count) {
+          sum[0] = cloth_pcg_product_row(row, &product,
+                                         cloth_block_row_product(&product.rows, row, product.x));
+          cloth_hat_row_send(&a, row, 0);
+        }
+        cloth_block_chunk_sums(sum, room->upper);
+      },
+      [&](int tile, int k, const cloth_real(&sum)[1]) {
+        int at = begin + tile * CHUNKS + k;
+        if (at < end)
+          cloth_product_term_send(&a, (v.first / CLOTH_CHUNK + (int)a.order[at]) / group, sum[0]);
+      });
 }
 
 __device__ void for_contacts(const grid &g, bool inner, bool outer)
@@ -190,7 +240,7 @@ __device__ void for_contacts(const grid &g, bool inner, bool outer)
 
 // Own rows while the others' directions travel. Contacts that need these have a barrier of their
 // own.
-__device__ void product(grid &g, int number, cloth_real *upper)
+__device__ void product(grid &g, int number, shared_room *room)
 {
   const part_args &a = g.a;
   bool contacts = a.solve.contacts > 0, outer = a.outer[1] > 0;
@@ -200,91 +250,16 @@ __device__ void product(grid &g, int number, cloth_real *upper)
   for_contacts(g, true, !a.overlap);
   if (contacts) barrier(g);
   if (!a.overlap) {
-    for_rows(g, 0, chunks, chunks, number, upper);
+    for_rows(g, 0, chunks, chunks, number, room);
   } else if (!outer) {
-    for_rows(g, 0, chunks, inner, number, upper);
+    for_rows(g, 0, chunks, inner, number, room);
   } else {
-    for_rows(g, 0, inner, inner, number, upper);
+    for_rows(g, 0, inner, inner, number, room);
     await(g, number);
     for_contacts(g, false, true);
     barrier(g);
-    for_rows(g, inner, chunks, chunks, number, upper);
+    for_rows(g, inner, chunks, chunks, number, room);
   }
-}
-
-// the sum of p'q over all chunks, as cloth_chunks_sum() has it, on thread 0
-__device__ cloth_real sum_of_chunks(const cloth_real *number, int chunks, cloth_real *shared)
-{
-  int l = (int)threadIdx.x, lane = l % CLOTH_WARP, warp = l / CLOTH_WARP;
-  cloth_real sum = 0;
-#pragma unroll 16
-  for (int c = l; c < chunks; c += CLOTH_PCG_LANES) sum += number[c];
-  for (int width = WARPS / 2; width > 0; width /= 2) {
-    __syncthreads();
-    if (warp >= width && warp < 2 * width) shared[(warp - width) * CLOTH_WARP + lane] = sum;
-    __syncthreads();
-    if (warp < width) sum += shared[warp * CLOTH_WARP + lane];
-  }
-  return warp == 0 ? cloth_warp_sum(sum) : sum;
-}
-
-__device__ void alpha_of(const grid &g, cloth_real *lanes)
-{
-  cloth_real pq = sum_of_chunks(g.a.peer[g.a.me].pq, g.a.solve.v.chunks, lanes);
-  if (threadIdx.x == 0) cloth_pcg_alpha_set(g.a.solve.v.scalar, pq);
-}
-
-// The sums r'z and r'r over all entries of `partial`, as cloth_partial_sum() has them, in two
-// steps, because the last entries come later. First what each lane adds of entries [0, end), by one
-// block.
-__device__ void add_lanes(const cloth_pcg_beta_args &b, int end, cloth_real *sums)
-{
-  int l = (int)threadIdx.x;
-  cloth_real rz = 0, rr = 0;
-#pragma unroll 8
-  for (int c = l; c < end; c += CLOTH_PCG_LANES)
-    rz += b.partial[CLOTH_PCG_PARTIALS * c], rr += b.partial[CLOTH_PCG_PARTIALS * c + 1];
-  sums[l] = rz, sums[CLOTH_PCG_LANES + l] = rr;
-}
-
-// Then the rest, by one block; on thread 0.
-__device__ void add_rest(const cloth_pcg_beta_args &b, int begin, const volatile cloth_real *sums,
-                         cloth_real (&sum)[2], cloth_real *shared)
-{
-  int l = (int)threadIdx.x, lane = l % CLOTH_WARP, warp = l / CLOTH_WARP;
-  int c = begin + ((l - begin) % CLOTH_PCG_LANES + CLOTH_PCG_LANES) % CLOTH_PCG_LANES;
-  for (int f = 0; f < 2; f++) sum[f] = sums[f * CLOTH_PCG_LANES + l];
-  for (; c < b.sums; c += CLOTH_PCG_LANES)
-    for (int f = 0; f < 2; f++) sum[f] += b.partial[CLOTH_PCG_PARTIALS * c + f];
-  for (int width = WARPS / 2; width > 0; width /= 2)
-    for (int f = 0; f < 2; f++) {
-      __syncthreads();
-      if (warp >= width && warp < 2 * width) shared[(warp - width) * CLOTH_WARP + lane] = sum[f];
-      __syncthreads();
-      if (warp < width) sum[f] += shared[warp * CLOTH_WARP + lane];
-    }
-  if (warp == 0)
-    for (int f = 0; f < 2; f++) sum[f] = cloth_warp_sum(sum[f]);
-}
-
-// entries of `partial` that are there before the levels beyond the first are corrected
-__device__ int sums_before(const cloth_pcg_solve_args &a)
-{
-  return a.v.chunks + (a.v.hats.nodes > 0 ? cloth_hat_fine_groups(&a.v.hats) : 0);
-}
-
-// by one block; sums [2 x LANES] of add_lanes()
-__device__ void beta_of(const cloth_pcg_solve_args &a, const cloth_real *sums, int start,
-                        cloth_real *lanes)
-{
-  cloth_real two[2];
-  add_rest(a.beta, sums_before(a), sums, two, lanes);
-  cloth_real rz = two[0], rr = two[1];
-  if (a.v.coarse && threadIdx.x < CLOTH_WARP) rz += cloth_warp_coarse_rz(a.beta);
-  if (threadIdx.x > 0) return;
-  cloth_pcg_beta_args beta = a.beta;
-  beta.start = start;
-  cloth_pcg_beta_set(&beta, rz, rr);
 }
 
 // own nodes of the hats' first level, for everybody
@@ -295,25 +270,24 @@ __device__ void correct_finely(const part_args &a, cloth_real *lanes)
   for (int i = cloth_hat_share_begin(&a.share) + (int)blockIdx.x; i < cloth_hat_share_end(&a.share);
        i += (int)gridDim.x) {
     int c = i * CLOTH_HAT_FINE_GROUP + node;
-    cloth_block_hat_rest(&a.solve.hats, i, lanes);
+    cloth_real rz = cloth_block_hat_rest(&a.solve.hats, i, lanes);
     if (sends && c < a.share.end) cloth_hat_node_send(&a, c);
-    if (threadIdx.x == 0) cloth_hat_group_send(&a, i);
+    if (threadIdx.x == 0) cloth_hat_group_send(&a, i, rz);
   }
 }
 
-// The first block adds up r'z and r'r while the others restrict r to the aggregates, or correct the
-// hats' other levels; every device does all of it.
-__device__ void restrict_and_sum(const cloth_pcg_solve_args &a, cloth_real *sums, cloth_real *lanes)
+// The residual as the aggregates see it, and the hats' other levels; every device does all of it.
+__device__ void restrict_all(const cloth_pcg_solve_args &a, cloth_real *lanes)
 {
-  int helpers = gridDim.x > 1 ? 1 : 0, warp = (int)threadIdx.x / CLOTH_WARP;
-  int first = (int)blockIdx.x - helpers, blocks = (int)gridDim.x - helpers;
-  if (blockIdx.x == 0) add_lanes(a.beta, sums_before(a), sums);
-  if (first < 0) return;
+  int warp = (int)threadIdx.x / CLOTH_WARP, lane = (int)threadIdx.x % CLOTH_WARP;
   const cloth_hats *h = &a.v.hats;
-  for (int i = first; h->nodes > 0 && i < cloth_hat_groups(h); i += blocks)
-    cloth_block_hat_upper(&a.hats, i, lanes);
-  for (int k = first * WARPS + warp; a.v.coarse && k < 3 * a.v.aggregates; k += blocks * WARPS) {
-    int lane = (int)threadIdx.x % CLOTH_WARP;
+  cloth_real *rz_of = a.terms.rz + cloth_chunk_groups(a.v.chunks) + cloth_hat_fine_groups(h);
+  for (int i = (int)blockIdx.x; h->nodes > 0 && i < cloth_hat_groups(h); i += (int)gridDim.x) {
+    cloth_real rz = cloth_block_hat_upper(&a.hats, i, lanes);
+    if (threadIdx.x == 0) rz_of[i] = rz;
+  }
+  for (int k = (int)blockIdx.x * WARPS + warp; a.v.coarse && k < 3 * a.v.aggregates;
+       k += (int)gridDim.x * WARPS) {
     cloth_real sum = cloth_warp_sum(cloth_coarse_rest_lane(&a.rest, k / 3, k % 3, lane));
     if (lane == 0) a.rest.rest[k] = sum;
   }
@@ -329,10 +303,9 @@ __device__ void correct_coarsely(const cloth_pcg_solve_args &a)
   }
 }
 
-__device__ void directions(const part_args &a)
+__device__ void directions(const part_args &a, cloth_real beta)
 {
   const cloth_pcg_vectors &v = a.solve.v;
-  cloth_real beta = v.scalar[CLOTH_PCG_BETA];
   int stride = (int)(gridDim.x * blockDim.x);
   for (int row = (int)(blockIdx.x * blockDim.x + threadIdx.x); row < v.count; row += stride) {
     int k = v.first + row;
@@ -341,32 +314,41 @@ __device__ void directions(const part_args &a)
   }
 }
 
-// After r, z and their sums: coarse correction, beta, direction. Is there more to do?
-__device__ bool turn(grid &g, int k, cloth_real *sums, cloth_real *lanes)
+// After r, z and their terms: coarse correction, beta, direction. Is there more to do?
+__device__ bool turn(grid &g, int k, shared_room *room)
 {
   const cloth_pcg_solve_args &a = g.a.solve;
   bool hats = a.v.hats.nodes > 0;
   int stride = (int)(gridDim.x * blockDim.x);
   if (hats) {
     if (k > 0) barrier(g);
-    correct_finely(g.a, lanes);
+    correct_finely(g.a, room->lanes);
   }
   barrier(g, true, [&] {
     signal(g, cloth_residuals_signal(k));
     await(g, cloth_residuals_signal(k));
   });
-  restrict_and_sum(a, sums, lanes);
+  restrict_all(a, room->lanes);
   if (a.v.coarse) {
     barrier(g);
     correct_coarsely(a);
   }
-  barrier(g, false, [&] { beta_of(a, sums, k == 0, lanes); });
-  if (*static_cast<volatile cloth_real *>(a.v.scalar + CLOTH_PCG_DONE) > 0) return false;
+  cloth_beta_sums sums(a, true); // only those of the hats' upper levels are not there yet
+  if (hats || a.v.coarse) {
+    arrive(g);
+    sums.add_early(a.terms);
+    wait(g);
+  } else {
+    sums.add_early(a.terms);
+  }
+  sums.add_rest(a.terms);
+  cloth_block_beta(a, k == 0, sums, room->scalar, room->lanes);
+  if (room->scalar[CLOTH_PCG_DONE] > 0) return false;
   if (k == a.iterations_max || is_lost(g)) return false;
   for (int c = (int)(blockIdx.x * blockDim.x + threadIdx.x); hats && c < a.v.hats.fine; c += stride)
     if (cloth_hat_is_mine(&g.a, c)) cloth_hat_spread_node(c, &a.v.hats);
   if (hats) barrier(g);
-  directions(g.a);
+  directions(g.a, room->scalar[CLOTH_PCG_BETA]);
   barrier(g, true, [&] { signal(g, cloth_directions_signal(k)); });
   return true;
 }
@@ -385,43 +367,49 @@ __device__ void start_nodes(grid &g)
   });
 }
 
-__device__ void iterate(grid &g, cloth_real *sums, cloth_real *upper, cloth_real *lanes)
+__device__ void iterate(grid &g, shared_room *room)
 {
   const part_args &a = g.a;
   const cloth_pcg_vectors &v = a.solve.v;
   int thread = (int)(blockIdx.x * blockDim.x + threadIdx.x), stride = (int)(gridDim.x * blockDim.x);
-  for_levels(a, upper, [&](int i) { return cloth_pcg_start_row(i, &v); });
+  for_levels(a, room, [&](int i) { return cloth_pcg_start_row(i, &v); });
   if (v.hats.nodes > 0) start_nodes(g);
   cloth_stopwatch products(a.solve.product_ns);
-  for (int k = 0; turn(g, k, sums, lanes); k++) {
+  for (int k = 0; turn(g, k, room); k++) {
     products.start();
-    product(g, cloth_directions_signal(k), upper);
+    product(g, cloth_directions_signal(k), room);
     barrier(g, true, [&] {
       signal(g, cloth_products_signal(k));
       await(g, cloth_products_signal(k));
-      alpha_of(g, lanes);
     });
+    cloth_block_alpha(a.solve, room->scalar, room->lanes);
     products.stop();
-    if (*static_cast<volatile cloth_real *>(v.scalar + CLOTH_PCG_DONE) > 0) return;
-    cloth_real alpha = v.scalar[CLOTH_PCG_ALPHA];
-    for_levels(a, upper, [&](int i) { return cloth_pcg_update_row(i, &v, alpha); });
+    if (room->scalar[CLOTH_PCG_DONE] > 0) return;
+    cloth_real alpha = room->scalar[CLOTH_PCG_ALPHA];
+    for_levels(a, room, [&](int i) { return cloth_pcg_update_row(i, &v, alpha); });
     for (int i = thread; i < a.share.other_count; i += stride) cloth_hat_row_update(&a, i, alpha);
   }
 }
 
 __global__ void __launch_bounds__(THREADS, RESIDENT)
-    part_kernel(const __grid_constant__ part_args a, cloth_real *sums)
+    part_kernel(const __grid_constant__ part_args a)
 {
-  __shared__ cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_PCG_LANES / 2];
+  __shared__ shared_room room;
   int *flag = a.peer[a.me].flag, *own = flag + CLOTH_PARTS_MAX * CLOTH_FLAG_STRIDE;
   grid g = {
       a,        flag, reinterpret_cast<unsigned *>(own), reinterpret_cast<unsigned *>(own + 8),
       own + 16, 0};
-  iterate(g, sums, upper, lanes);
-  if (is_lost(g) && threadIdx.x == 0) a.solve.v.scalar[CLOTH_PCG_LOST] = 1;
+  cloth_real *scalar = a.solve.v.scalar;
+  if (threadIdx.x < CLOTH_PCG_SCALARS) room.scalar[threadIdx.x] = scalar[threadIdx.x];
+  iterate(g, &room);
+  __syncthreads();
+  // every block has read them: all have met since
+  if (blockIdx.x == 0 && threadIdx.x < CLOTH_PCG_LOST)
+    scalar[threadIdx.x] = room.scalar[threadIdx.x];
+  if (is_lost(g) && threadIdx.x == 0) scalar[CLOTH_PCG_LOST] = 1;
 }
 
-cloth_status prepare(cloth_device *d, void **sums, cloth_error *err)
+cloth_status prepare(cloth_device *d, cloth_error *err)
 {
   CUDA_TRY(err, cudaSetDevice(d->index));
   if (d->part_blocks == 0) { // also loads the kernel, which must not happen while others wait
@@ -429,7 +417,7 @@ cloth_status prepare(cloth_device *d, void **sums, cloth_error *err)
     CUDA_TRY(err, cudaOccupancyMaxActiveBlocksPerMultiprocessor(&each, part_kernel, THREADS, 0));
     d->part_blocks = each * d->multiprocessors;
   }
-  return cloth_cuda_scratch(d, 2 * CLOTH_PCG_LANES * sizeof(cloth_real), sums, err);
+  return CLOTH_OK;
 }
 
 int blocks_for(const cloth_device *d, const part_args *a)
@@ -462,11 +450,10 @@ bool cloth_cuda_joined(int parts, cloth_device *const *device)
 cloth_status cloth_cuda_solve_parts(int parts, cloth_device *const *device,
                                     const cloth_pcg_part_args *args, cloth_error *err)
 {
-  void *sums[CLOTH_PARTS_MAX];
-  for (int i = 0; i < parts; i++) CLOTH_TRY(prepare(device[i], &sums[i], err));
+  for (int i = 0; i < parts; i++) CLOTH_TRY(prepare(device[i], err));
   for (int i = 0; i < parts; i++) {
     CUDA_TRY(err, cudaSetDevice(device[i]->index));
-    void *parameters[] = {const_cast<part_args *>(&args[i]), &sums[i]};
+    void *parameters[] = {const_cast<part_args *>(&args[i])};
     CUDA_TRY(err, cudaLaunchCooperativeKernel(
                       part_kernel, dim3((unsigned)blocks_for(device[i], &args[i])), dim3(THREADS),
                       parameters, 0, device[i]->stream[CLOTH_COMPUTE]));

@@ -11,6 +11,8 @@
 
 namespace {
 
+static_assert((int)CLOTH_FEW_CHUNKS >= (int)CLOTH_PCG_LANES, "sums have a chunk each");
+
 // One thread and its block. What can be worked out again is not kept: registers are for the row.
 struct worker {
   const cloth_pcg_solve_args &a;
@@ -107,6 +109,11 @@ struct worker {
     meet();
   }
 
+  __device__ void set_fine_term(int i, cloth_real rz) const
+  {
+    if (threadIdx.x == 0) a.hats.partial[CLOTH_PCG_PARTIALS * i] = rz;
+  }
+
   // the first level of hats, from r; group i by block i
   __device__ void fine_hats()
   {
@@ -119,10 +126,10 @@ struct worker {
           own()->node.rest(&fine, a.v.r, CLOTH_HAT_FINE_LANES));
       cloth_real sum = cloth_block_hats_set<CLOTH_HAT_FINE_LANES, CLOTH_HAT_FINE_GROUP>(
           &fine, rest, begin, end < fine.fine ? end : fine.fine, own()->shares);
-      if (threadIdx.x == 0) a.hats.partial[CLOTH_PCG_PARTIALS * i] = sum;
+      set_fine_term(i, sum);
     }
     for (i += (int)gridDim.x; i < groups; i += (int)gridDim.x)
-      cloth_block_hat_rest(&a.hats, i, own()->shares);
+      set_fine_term(i, cloth_block_hat_rest(&a.hats, i, own()->shares));
     meet();
   }
 
@@ -183,7 +190,8 @@ struct worker {
   // with the upper levels of hats, which come while the sums do
   __device__ void set_beta(int start)
   {
-    int shared = a.beta.sums - cloth_hat_groups(&a.v.hats); // the others know the block itself
+    int sums = a.v.chunks + a.beta.more;
+    int shared = sums - cloth_hat_groups(&a.v.hats); // the others know the block itself
     cloth_real rz_of[CLOTH_LANES_EACH], rr_of[CLOTH_LANES_EACH];
     const cloth_real *partial = a.beta.partial;
     cloth_warp_lanes(rz_of,
@@ -194,7 +202,7 @@ struct worker {
 #pragma unroll
     for (int j = 0; j < CLOTH_LANES_EACH; j++) {
       int l = lane + j * CLOTH_WARP;
-      if (l >= shared && l < a.beta.sums) rz_of[j] = upper_group(l - shared);
+      if (l >= shared && l < sums) rz_of[j] = upper_group(l - shared);
     }
     cloth_real rz = cloth_warp_lanes_sum(rz_of), rr = cloth_warp_lanes_sum(rr_of);
     cloth_pcg_beta_args beta = a.beta;
@@ -365,7 +373,8 @@ cloth_status ask_device(cloth_device *d, cloth_error *err)
 bool fits(const cloth_device *d, const cloth_pcg_solve_args *args)
 {
   return d->cluster_blocks > 1 && args->v.count <= d->cluster_blocks * THREADS &&
-         args->beta.sums <= CLOTH_PCG_LANES && room_bytes(&args->v.hats) <= d->shared_bytes;
+         args->v.chunks + args->beta.more <= CLOTH_PCG_LANES &&
+         room_bytes(&args->v.hats) <= d->shared_bytes;
 }
 
 } // namespace

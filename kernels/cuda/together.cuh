@@ -6,56 +6,41 @@
 #include <cuda_runtime_api.h>
 
 struct cloth_together_state { // in device memory, zero before the launch
-  unsigned arrived, passed;
+  unsigned arrived;
 };
 
-/// All blocks of a cooperative launch.
+/// All blocks of a cooperative launch. In two halves, so that a block can work while it waits.
 struct cloth_together_grid {
   cloth_together_state *state;
   unsigned barriers; // passed by this block
 
   __device__ explicit cloth_together_grid(cloth_together_state *s) : state(s), barriers(0) {}
 
-  __device__ void sync()
+  __device__ void arrive()
   {
     barriers++;
     __syncthreads();
-    if (threadIdx.x == 0) {
-      count_up(&state->arrived);
-      wait_for(&state->arrived, barriers * gridDim.x);
-    }
+    if (threadIdx.x == 0) count_up(&state->arrived);
+  }
+
+  __device__ void wait()
+  {
+    if (threadIdx.x == 0) wait_for(&state->arrived, barriers * gridDim.x);
     __syncthreads();
   }
 
-  /// The same, but `last` runs on the whole block that arrives last before any goes on.
-  template <typename Last> __device__ void sync(Last last)
+  __device__ void sync()
   {
-    __shared__ int is_last;
-    barriers++;
-    __syncthreads();
-    if (threadIdx.x == 0) is_last = count_up(&state->arrived) == barriers * gridDim.x - 1;
-    __syncthreads();
-    if (is_last) {
-      last();
-      __syncthreads();
-      if (threadIdx.x == 0) tell(&state->passed, barriers);
-    } else if (threadIdx.x == 0) {
-      wait_for(&state->passed, barriers);
-    }
-    __syncthreads();
+    arrive();
+    wait();
   }
 
 private:
   // Counting releases and waiting acquires. That is cheaper than full fences, and enough, because a
   // block's threads meet before and after.
-  static __device__ unsigned count_up(unsigned *at)
+  static __device__ void count_up(unsigned *at)
   {
-    unsigned before;
-    asm volatile("atom.add.acq_rel.gpu.global.u32 %0, [%1], 1;"
-                 : "=r"(before)
-                 : "l"(at)
-                 : "memory");
-    return before;
+    asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(at) : "memory");
   }
 
   static __device__ void wait_for(const unsigned *at, unsigned most)
@@ -63,11 +48,6 @@ private:
     unsigned now;
     do asm volatile("ld.acquire.gpu.global.u32 %0, [%1];" : "=r"(now) : "l"(at) : "memory");
     while (now < most);
-  }
-
-  static __device__ void tell(unsigned *at, unsigned value)
-  {
-    asm volatile("st.release.gpu.global.u32 [%0], %1;" ::"l"(at), "r"(value) : "memory");
   }
 };
 

@@ -47,6 +47,7 @@
 #include "friction_recall.h"
 #include "halo_chunk.h"
 #include "halo_contact.h"
+#include "halo_group.h"
 #include "halo_order.h"
 #include "hat_matrix.h"
 #include "hat_rest.h"

@@ -13,5 +13,5 @@ typedef struct cloth_balance_mean_args {
 
 CLOTH_FN void cloth_balance_mean(int k, const cloth_balance_mean_args *a)
 {
-  a->mean[k] = a->give * cloth_partial_sum(a->partial, a->chunks, 2 + k);
+  a->mean[k] = a->give * cloth_partial_sum(a->partial, a->chunks, 0, 2 + k);
 }

@@ -1,6 +1,6 @@
 // Sums over vertices run in chunks of fixed size and fixed places, whatever the number of threads
-// or parts, and the chunks' sums are added in order: the same bits everywhere. Parts are cut at
-// chunks.
+// or parts, and the chunks' sums are added in one order (pcg.h): the same bits everywhere. Parts
+// are cut at chunks.
 #pragma once
 
 #include "real.h"

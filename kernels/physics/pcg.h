@@ -76,40 +76,126 @@ CLOTH_FN void cloth_pcg_chunk_set(cloth_pcg_chunk *c, int lane, cloth_v3 r)
   c->r[0][lane] = r.x, c->r[1][lane] = r.y, c->r[2][lane] = r.z;
 }
 
-// Sum over all chunks: lane l adds chunks l, l + LANES, ... and the lanes are added pairwise. One
-// order, that a loop and a block of threads follow alike.
-enum { CLOTH_PCG_LANES = 256, CLOTH_COARSE_LANES = 32 };
+// Sum over all chunks. Where they are many, GROUP neighbours are added pairwise first: a block of a
+// GPU that has them anyway does it (kernels/cuda/group_sums.cuh). Then lane l adds groups l,
+// l + LANES, ... and the lanes are added pairwise. One order, of the number of chunks alone, that a
+// loop and blocks of threads follow alike. Parts are cut at groups.
+enum {
+  CLOTH_PCG_LANES = 256,
+  CLOTH_COARSE_LANES = 32,
+  CLOTH_CHUNK_GROUP = 4,
+  CLOTH_FEW_CHUNKS = 1024 // each is a group
+};
 
-/// The numbers of all chunks, `stride` apart.
-CLOTH_FN cloth_real cloth_chunks_sum(const cloth_real *number, int chunks, int stride)
+/// Chunks of a group, but for the last one; groups.
+CLOTH_FN int cloth_chunk_group(int chunks)
+{
+  return chunks > CLOTH_FEW_CHUNKS ? CLOTH_CHUNK_GROUP : 1;
+}
+
+CLOTH_FN int cloth_chunk_groups(int chunks)
+{
+  int group = cloth_chunk_group(chunks);
+  return (chunks + group - 1) / group;
+}
+
+/// The sum of group i; numbers are `stride` apart.
+CLOTH_FN cloth_real cloth_group_sum(const cloth_real *number, int chunks, int stride, int i)
+{
+  if (cloth_chunk_group(chunks) == 1) return number[(int64_t)stride * i];
+  cloth_real v[CLOTH_CHUNK_GROUP];
+  for (int k = 0, c = i * CLOTH_CHUNK_GROUP; k < CLOTH_CHUNK_GROUP; k++, c++)
+    v[k] = c < chunks ? number[(int64_t)stride * c] : 0;
+  return cloth_lanes_sum(v, CLOTH_CHUNK_GROUP);
+}
+
+/// Term e of the sum over all chunks: a group, or behind the groups one of the numbers that lie
+/// behind the chunks.
+CLOTH_FN cloth_real cloth_sum_term(const cloth_real *number, int chunks, int stride, int e)
+{
+  int groups = cloth_chunk_groups(chunks);
+  if (e < groups) return cloth_group_sum(number, chunks, stride, e);
+  return number[(int64_t)stride * (chunks + e - groups)];
+}
+
+/// The sum of all terms; `more` of them are no chunks'.
+CLOTH_FN cloth_real cloth_chunks_sum(const cloth_real *number, int chunks, int more, int stride)
 {
   cloth_real lane[CLOTH_PCG_LANES];
-  int used = chunks < CLOTH_PCG_LANES ? chunks : CLOTH_PCG_LANES;
-  for (int l = 0; l < used; l++) lane[l] = 0 + number[stride * l];
-  for (int c = CLOTH_PCG_LANES; c < chunks; c++)
-    lane[c % CLOTH_PCG_LANES] += number[stride * c];
+  int terms = cloth_chunk_groups(chunks) + more;
+  int used = terms < CLOTH_PCG_LANES ? terms : CLOTH_PCG_LANES;
+  for (int l = 0; l < used; l++) lane[l] = 0 + cloth_sum_term(number, chunks, stride, l);
+  for (int e = CLOTH_PCG_LANES; e < terms; e++)
+    lane[e % CLOTH_PCG_LANES] += cloth_sum_term(number, chunks, stride, e);
   return cloth_lanes_sum_of(lane, used, CLOTH_PCG_LANES);
 }
 
-CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int field)
+CLOTH_FN cloth_real cloth_partial_sum(const cloth_real *partial, int chunks, int more, int field)
 {
-  return cloth_chunks_sum(partial + field, chunks, CLOTH_PCG_PARTIALS);
+  return cloth_chunks_sum(partial + field, chunks, more, CLOTH_PCG_PARTIALS);
 }
 
-// The coarse level: vertices of an aggregate (a run of chunks) move together (Nicolaides 1987).
-// What is stiff over long distances, a pull along the whole cloth, is solved there directly; block
-// Jacobi does the rest. Additive, so symmetric and positive definite.
+/// The same where the terms lie side by side.
+CLOTH_FN cloth_real cloth_terms_sum(const cloth_real *term, int terms)
+{
+  cloth_real lane[CLOTH_PCG_LANES];
+  int used = terms < CLOTH_PCG_LANES ? terms : CLOTH_PCG_LANES;
+  for (int l = 0; l < used; l++) lane[l] = 0 + term[l];
+  for (int e = CLOTH_PCG_LANES; e < terms; e++) lane[e % CLOTH_PCG_LANES] += term[e];
+  return cloth_lanes_sum_of(lane, used, CLOTH_PCG_LANES);
+}
+
+/// Terms side by side, of a solve in one kernel: p'q, r'r [groups], r'z [groups, then those of
+/// hat_rest.h].
+typedef struct cloth_pcg_terms {
+  cloth_real *pq, *rr, *rz;
+} cloth_pcg_terms;
+
+/// Where they are in an array of 3 groups + hat groups.
+CLOTH_FN cloth_pcg_terms cloth_pcg_terms_at(cloth_real *terms, int chunks)
+{
+  int groups = cloth_chunk_groups(chunks);
+  cloth_pcg_terms t = {terms, terms + groups, terms + 2 * (int64_t)groups};
+  return t;
+}
+
+/// Groups of the part's own chunks: [begin, end).
+CLOTH_FN int cloth_own_groups_begin(const cloth_pcg_vectors *v)
+{
+  return v->first / CLOTH_CHUNK / cloth_chunk_group(v->chunks);
+}
+
+CLOTH_FN int cloth_own_groups_end(const cloth_pcg_vectors *v)
+{
+  int rows = CLOTH_CHUNK * cloth_chunk_group(v->chunks);
+  return (v->first + v->count + rows - 1) / rows;
+}
+
+// The coarse level: vertices of an aggregate (a run of groups of chunks) move together (Nicolaides
+// 1987). What is stiff over long distances, a pull along the whole cloth, is solved there directly;
+// block Jacobi does the rest. Additive, so symmetric and positive definite.
 enum { CLOTH_AGGREGATES_MAX = 96 }; // a dense factor of 288 rows
 
 CLOTH_FN int cloth_aggregate_of(int vertex, int chunks, int aggregates)
 {
-  return (int)((int64_t)(vertex / CLOTH_CHUNK) * aggregates / chunks);
+  int group = vertex / CLOTH_CHUNK / cloth_chunk_group(chunks);
+  return (int)((int64_t)group * aggregates / cloth_chunk_groups(chunks));
 }
 
-/// First chunk of an aggregate.
+/// First chunk of an aggregate: it begins with a group, since parts are cut at both.
 CLOTH_FN int cloth_aggregate_begin(int aggregate, int chunks, int aggregates)
 {
-  return (int)(((int64_t)aggregate * chunks + aggregates - 1) / aggregates);
+  int groups = cloth_chunk_groups(chunks);
+  int group = (int)(((int64_t)aggregate * groups + aggregates - 1) / aggregates);
+  int chunk = group * cloth_chunk_group(chunks);
+  return chunk < chunks ? chunk : chunks;
+}
+
+/// The aggregate that begins with this chunk, where a part does; `chunks`: their number.
+CLOTH_FN int cloth_aggregate_from(int chunk, int chunks, int aggregates)
+{
+  int size = cloth_chunk_group(chunks), group = (chunk + size - 1) / size;
+  return (int)((int64_t)group * aggregates / cloth_chunk_groups(chunks));
 }
 
 /// The coarse level's share of r'z: P' r times the correction, lanes as in coarse_solve.h.

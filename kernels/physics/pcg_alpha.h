@@ -25,5 +25,5 @@ CLOTH_FN void cloth_pcg_alpha(int i, const cloth_pcg_alpha_args *a)
 {
   (void)i;
   if (a->scalar[CLOTH_PCG_DONE] > 0) return;
-  cloth_pcg_alpha_set(a->scalar, cloth_partial_sum(a->partial, a->chunks, 0));
+  cloth_pcg_alpha_set(a->scalar, cloth_partial_sum(a->partial, a->chunks, 0, 0));
 }

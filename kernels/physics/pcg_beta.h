@@ -4,7 +4,7 @@
 #include "pcg.h"
 
 typedef struct cloth_pcg_beta_args {
-  int sums;                        // entries of `partial`: all chunks, and the hats' groups
+  int chunks, more;                // entries of `partial`: of all parts, and the hats' groups
   int start;                       // 1: right after pcg_start
   cloth_real tolerance;            // relative residual
   int first;                       // 1: later ones are measured against this one
@@ -34,7 +34,7 @@ CLOTH_FN void cloth_pcg_beta(int i, const cloth_pcg_beta_args *a)
 {
   (void)i;
   if (!a->start && a->scalar[CLOTH_PCG_DONE] > 0) return;
-  cloth_real rz = cloth_partial_sum(a->partial, a->sums, 0);
+  cloth_real rz = cloth_partial_sum(a->partial, a->chunks, a->more, 0);
   if (a->aggregates > 0) rz += cloth_coarse_rz(a->rest, a->coarse, a->aggregates);
-  cloth_pcg_beta_set(a, rz, cloth_partial_sum(a->partial, a->sums, 1));
+  cloth_pcg_beta_set(a, rz, cloth_partial_sum(a->partial, a->chunks, 0, 1));
 }

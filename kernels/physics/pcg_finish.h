@@ -16,5 +16,5 @@ CLOTH_FN void cloth_pcg_finish(int i, const cloth_pcg_finish_args *a)
   cloth_real largest = 0;
   for (int c = 0; c < a->chunks; c++) largest = cloth_larger(largest, a->largest[c]);
   a->scalar[CLOTH_PCG_LARGEST] = largest;
-  a->scalar[CLOTH_PCG_RESIDUAL] = cloth_partial_sum(a->partial, a->chunks, 0);
+  a->scalar[CLOTH_PCG_RESIDUAL] = cloth_partial_sum(a->partial, a->chunks, 0, 0);
 }

@@ -3,24 +3,26 @@
 // count of signals. In this order, iteration after iteration:
 //
 //   signal 1        start, with hats only: r of the rows that others' nodes sum over lies in their
-//   `r` signal 3 k + 2  residuals: sums of r'z, r'r and r of its chunks lie in everybody's
-//   `partial`; of
-//                   its nodes of hats, the residuals in everybody's `hat_rest`, the corrections in
-//                   their `hat_correction` who interpolate them
+//                   `r`
+//   signal 3 k + 2  residuals: sums of r'z and r'r of its groups of chunks lie in everybody's
+//                   `terms`, with aggregates sums of r of its chunks in everybody's `partial`; of
+//                   its nodes of hats, the residuals in everybody's `hat_rest`, sums of r'z in
+//                   everybody's `terms`, the corrections in their `hat_correction` who interpolate
+//                   them
 //   signal 3 k + 3  directions: p of the rows that others read lies in their `p`
-//   signal 3 k + 4  products: sums of p'q of its chunks lie in everybody's `pq`, q of the rows that
-//                   others' nodes sum over in their `q`
+//   signal 3 k + 4  products: sums of p'q of its groups of chunks lie in everybody's `terms`, q of
+//                   the rows that others' nodes sum over in their `q`
 //
 // A node of the first level of hats belongs to one part, which sums over all its vertices in one
 // order. Of vertices that are others' it keeps r itself, from the q it is sent: r' = r - alpha q is
 // the same bits everywhere, so r need not travel, which would take a signal of its own. The
 // other levels are small, and every part does them all.
 //
-// Who has everybody's signal of residuals or products adds all chunk sums in one order, so that the
+// Who has everybody's signal of residuals or products adds all terms in one order, so that the
 // scalars, and with them what each part does next, are the same bits everywhere. Nothing that is
 // still read is overwritten: between two writings of a number lies a signal that its readers give
-// after they have read it. (`pq` is not a field of `partial` for this reason: between a sum of p'q
-// and the next r'z there is none.)
+// after they have read it. (Terms of p'q have a place of their own for this reason: between a sum
+// of p'q and the next r'z there is none.)
 //
 // Rows that read only what is their part's own ("inner") are multiplied before the others'
 // directions have come (pipelined product: P-Cloth section 3.1.1, cut by rows instead of columns,
@@ -39,9 +41,9 @@ enum {
 
 // memory of one part that the others write
 typedef struct cloth_pcg_peer {
-  cloth_real *p;                         // [vertices x 3]
-  cloth_real *partial;                   // [chunks x CLOTH_PCG_PARTIALS]
-  cloth_real *pq;                        // [chunks]
+  cloth_real *p;       // [vertices x 3]
+  cloth_real *partial; // [chunks x CLOTH_PCG_PARTIALS] fields 2 to 4 written
+  cloth_pcg_terms terms;
   cloth_real *r, *q;                     // [vertices x 3], written with hats only
   cloth_real *hat_rest, *hat_correction; // [nodes x 3]
   int *flag;                             // [CLOTH_FLAG_WORDS] signals of each part so far
@@ -124,12 +126,23 @@ CLOTH_FN void cloth_hat_node_send(const cloth_pcg_part_args *a, int c)
   }
 }
 
-/// Share of r'z of group i of the first level, for the others.
-CLOTH_FN void cloth_hat_group_send(const cloth_pcg_part_args *a, int i)
+/// Share of r'z of group i of the first level, for everybody.
+CLOTH_FN void cloth_hat_group_send(const cloth_pcg_part_args *a, int i, cloth_real rz)
 {
-  int64_t at = (int64_t)CLOTH_PCG_PARTIALS * (a->solve.v.chunks + i);
-  for (int j = 0; j < a->parts; j++)
-    if (j != a->me) a->peer[j].partial[at] = a->solve.v.partial[at];
+  int at = cloth_chunk_groups(a->solve.v.chunks) + i;
+  for (int j = 0; j < a->parts; j++) a->peer[j].terms.rz[at] = rz;
+}
+
+/// r'z and r'r of group i of the chunks of all, and p'q of it, likewise.
+CLOTH_FN void cloth_residual_terms_send(const cloth_pcg_part_args *a, int i, cloth_real rz,
+                                        cloth_real rr)
+{
+  for (int j = 0; j < a->parts; j++) a->peer[j].terms.rz[i] = rz, a->peer[j].terms.rr[i] = rr;
+}
+
+CLOTH_FN void cloth_product_term_send(const cloth_pcg_part_args *a, int i, cloth_real pq)
+{
+  for (int j = 0; j < a->parts; j++) a->peer[j].terms.pq[i] = pq;
 }
 
 /// Groups of the first level's nodes that are the part's own: [begin, end).

@@ -26,6 +26,7 @@ typedef struct cloth_pcg_solve_args {
   cloth_hat_rest_args hats; // with levels of hats only
   cloth_pcg_beta_args beta; // its `start` is not read
   cloth_real *more_partial; // [chunks x CLOTH_PCG_PARTIALS] for who adds p'q up while others go on
+  cloth_pcg_terms terms;    // for who has them side by side instead of those two
   int iterations_max;
   uint64_t *product_ns; // [1] ns, counts up: products, with what they wait for; NULL: not asked for
   cloth_correct_args correct; // for who finishes, too: x += dx behind the iterations

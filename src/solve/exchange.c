@@ -1,6 +1,6 @@
 // Vertex vectors travel between parts: each part sends what it owns to all others (P-Cloth
 // section 3.1, whole sub-vectors), by the transport that joins them (transport.h).
-#include "chunk.h"
+#include "pcg.h"
 #include "state/sim.h"
 
 #include <string.h>
@@ -18,7 +18,7 @@ static size_t begin_of(const cloth_sim *sim, int vertex, cloth_rows_of rows)
   int chunk = (vertex + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
   if (rows == CLOTH_PER_VERTEX) return (size_t)vertex;
   if (rows == CLOTH_PER_CHUNK) return (size_t)chunk;
-  return (size_t)((int64_t)chunk * sim->aggregates / sim->chunks);
+  return (size_t)cloth_aggregate_from(chunk, sim->chunks, sim->aggregates);
 }
 
 cloth_status cloth_exchange(cloth_sim *sim, size_t field, cloth_rows_of rows, size_t row,

@@ -3,6 +3,7 @@
 // element and every contact that touches them.
 #include "halo_chunk.h"
 #include "halo_contact.h"
+#include "halo_group.h"
 #include "halo_order.h"
 #include "pcg_part.h"
 #include "state/sim.h"
@@ -38,8 +39,7 @@ cloth_status cloth_halo_build(cloth_sim *sim, cloth_part *p, const int *first, c
   CLOTH_TRY(cloth_take(sim, p, "halo_place", list, &p->halo_place, err));
   CLOTH_TRY(cloth_take(sim, p, "halo_order", list, &p->halo_order, err));
   CLOTH_TRY(cloth_take(sim, p, "halo_outer", 2 * sizeof(uint32_t), &p->halo_outer, err));
-  CLOTH_TRY(cloth_take(sim, p, "flag", sizeof(int) * CLOTH_FLAG_WORDS, &p->flag, err));
-  return cloth_take(sim, p, "pq", sizeof(cloth_real) * (size_t)sim->chunks, &p->pq, err);
+  return cloth_take(sim, p, "flag", sizeof(int) * CLOTH_FLAG_WORDS, &p->flag, err);
 }
 
 static cloth_status update_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
@@ -56,11 +56,14 @@ static cloth_status update_part(cloth_sim *sim, cloth_part *p, cloth_error *err)
                                .outer = p->halo_outer + 1};
   cloth_cuts(sim, c.cut);
   CLOTH_LAUNCH(sim, p, halo_contact, p->contact_count, &c, err);
-  cloth_halo_chunk_args k = {rows, p->reader, p->chunk_reader, p->halo_place};
+  cloth_halo_chunk_args k = {rows, p->reader, p->chunk_reader};
   CLOTH_LAUNCH(sim, p, halo_chunk, chunks, &k, err);
+  cloth_halo_group_args g = {chunks, cloth_chunk_group(sim->chunks), p->chunk_reader,
+                             p->halo_place};
+  CLOTH_LAUNCH(sim, p, halo_group, chunks, &g, err);
   if (chunks == 0) return CLOTH_OK;
   CLOTH_TRY(be->scan(p->device, chunks, p->halo_place, err));
-  cloth_halo_order_args o = {chunks, p->chunk_reader, p->halo_place, p->halo_order, p->halo_outer};
+  cloth_halo_order_args o = {chunks, p->halo_place, p->halo_order, p->halo_outer};
   return cloth_launch(sim, p, CLOTH_KERNEL_halo_order, chunks, &o, err);
 }
 

@@ -105,7 +105,8 @@ static cloth_coarse_solve_args coarse_args(const cloth_sim *sim, const cloth_par
 
 static cloth_pcg_beta_args beta_args(const cloth_sim *sim, const cloth_part *p, int start)
 {
-  cloth_pcg_beta_args a = {.sums = sim->chunks + sim->hat_groups,
+  cloth_pcg_beta_args a = {.chunks = sim->chunks,
+                           .more = sim->hat_groups,
                            .start = start,
                            .tolerance = (cloth_real)sim->params.pcg_tolerance,
                            .first = sim->iteration == sim->iteration_first,
@@ -135,7 +136,7 @@ static cloth_status product(cloth_sim *sim, bool of_dx, cloth_error *err)
 static int aggregate_at(const cloth_sim *sim, int vertex)
 {
   int chunk = (vertex + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
-  return (int)((int64_t)chunk * sim->aggregates / sim->chunks);
+  return cloth_aggregate_from(chunk, sim->chunks, sim->aggregates);
 }
 
 // what the coarser levels need, from the first linear system of a substep
@@ -298,6 +299,7 @@ static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p
                             .hats = cloth_hats_args(sim, p, done),
                             .beta = beta_args(sim, p, 1),
                             .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
+                            .terms = cloth_pcg_terms_at(p->terms, sim->chunks),
                             .iterations_max = sim->params.pcg_iterations_max,
                             .product_ns = sim->params.profile > 0 ? p->product_ns : NULL,
                             .correct = correct_args(sim, p)};
@@ -328,7 +330,7 @@ static cloth_pcg_part_args part_args(const cloth_sim *sim, const cloth_part *p)
     const cloth_part *o = &sim->part[j];
     a.peer[j] = (cloth_pcg_peer){.p = o->p,
                                  .partial = o->partial,
-                                 .pq = o->pq,
+                                 .terms = cloth_pcg_terms_at(o->terms, sim->chunks),
                                  .r = o->r,
                                  .q = o->q,
                                  .hat_rest = o->hats.rest,

@@ -5,13 +5,13 @@
 
 int cloth_cut_units(const cloth_sim *sim)
 {
-  return sim->aggregates > 0 ? sim->aggregates : sim->chunks;
+  return sim->aggregates > 0 ? sim->aggregates : cloth_chunk_groups(sim->chunks);
 }
 
 int cloth_cut_vertex(const cloth_sim *sim, int unit)
 {
-  int chunk =
-      sim->aggregates > 0 ? cloth_aggregate_begin(unit, sim->chunks, sim->aggregates) : unit;
+  int chunk = sim->aggregates > 0 ? cloth_aggregate_begin(unit, sim->chunks, sim->aggregates)
+                                  : unit * cloth_chunk_group(sim->chunks);
   int vertex = chunk * CLOTH_CHUNK;
   return vertex < sim->vertex_count ? vertex : sim->vertex_count;
 }

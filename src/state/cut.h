@@ -1,4 +1,4 @@
-// Where parts begin. A cut lies between units: chunks, so that sums over chunks do not depend on
+// Where parts begin. A cut lies between units: groups of chunks (pcg.h), so that no sum depends on
 // it, or with the solver's coarse level its aggregates, so that a part has all that its columns of
 // the coarse matrix need.
 #pragma once

@@ -68,6 +68,8 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_own(sim, p, "inverse_diagonal", CLOTH_CHUNK, 6, &p->inverse_diagonal, err));
   int sums = 2 * sim->chunks + sim->hat_groups; // some for z, others for the product
   CLOTH_TRY(take_reals(sim, p, "partial", sums, CLOTH_PCG_PARTIALS, &p->partial, err));
+  sums = 3 * cloth_chunk_groups(sim->chunks) + sim->hat_groups;
+  CLOTH_TRY(take_reals(sim, p, "terms", sums, 1, &p->terms, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(cloth_take(sim, p, "product_ns", sizeof(uint64_t), &p->product_ns, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));

@@ -195,6 +195,7 @@ typedef struct cloth_part {
   cloth_real *q;                // [n x 3], the part's own, with hats all
   cloth_real *inverse_diagonal; // [n x 6], likewise
   cloth_real *partial, *scalar;
+  cloth_real *terms;    // [3 groups + hat groups] sums of a solve in one kernel: pcg.h
   uint64_t *product_ns; // [1] time of the products, with the parameter profile
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h
@@ -204,7 +205,6 @@ typedef struct cloth_part {
                                   // where parts are not joined
   uint32_t *chunk_reader, *halo_place, *halo_order; // [chunks of the part (+ 1)] halo_order.h
   uint32_t *halo_outer;                             // [2]
-  cloth_real *pq;                                   // [chunks] pcg_part.h
   int *flag;                                        // [CLOTH_FLAG_WORDS]
   cloth_real *commit, *largest;                     // [chunks x CLOTH_COMMIT_FIELDS], [chunks]
   cloth_real *x_saved, *v_saved; // [n x 3] own rows at the start of the whole step, for going back

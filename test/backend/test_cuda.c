@@ -208,6 +208,8 @@ static bool is_compared(const char *name)
                                      "cell_triangle_spare",
                                      "contact_row_spare",
                                      "contact_entry_spare",
+                                     "partial", // large solves have "terms" instead (pcg.h)
+                                     "terms",
                                      "coarse_rest", // each CPU thread has its own
                                      "impact_key",
                                      "impact_toi",

@@ -64,7 +64,8 @@ static void spoil(int parts, const cloth_pcg_part_args *a)
   for (int i = 0; i < parts; i++) {
     const cloth_pcg_vectors *v = &a[i].solve.v;
     for (int k = 0; k < 3 * VERTICES; k++) a[i].peer[i].p[k] = (cloth_real)NAN;
-    for (int k = 0; k < v->chunks; k++) a[i].peer[i].pq[k] = (cloth_real)NAN;
+    int terms = 3 * cloth_chunk_groups(v->chunks) + a[i].solve.beta.more;
+    for (int k = 0; k < terms; k++) a[i].solve.terms.pq[k] = (cloth_real)NAN;
     for (int k = 0; k < v->chunks * CLOTH_PCG_PARTIALS; k++) v->partial[k] = (cloth_real)NAN;
     if (v->hats.nodes > 0) spoil_hats(&a[i]);
   }

@@ -5,7 +5,10 @@
 #include "check.h"
 #include "cloth.h"
 
-enum { SHEET_MAX = 41 * 41, SOLID_MAX = 2000 };
+#ifndef SHEET_SIDE_MAX
+#define SHEET_SIDE_MAX 41
+#endif
+enum { SHEET_MAX = SHEET_SIDE_MAX * SHEET_SIDE_MAX, SOLID_MAX = 2000 };
 
 #define G 9.81 // m/s^2, the default gravity
 

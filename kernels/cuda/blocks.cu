@@ -14,6 +14,7 @@ enum {
   HAT_THREADS = CLOTH_HAT_FINE_LANES * CLOTH_HAT_FINE_GROUP
 };
 static_assert(HAT_THREADS == CLOTH_HAT_LANES * CLOTH_HAT_GROUP, "");
+static_assert((int)HAT_THREADS == (int)CLOTH_HAT_WIDE_LANES, "");
 
 // ---- a chunk of vertices for each block ---------------------------------------------------------
 
@@ -365,7 +366,7 @@ __global__ void __launch_bounds__(HAT_THREADS)
 __global__ void __launch_bounds__(HAT_THREADS)
     hat_rest_upper_kernel(const __grid_constant__ cloth_hat_rest_upper_args a)
 {
-  __shared__ cloth_real shares[CLOTH_HAT_GROUP];
+  __shared__ cloth_real shares[CLOTH_HAT_SHARED];
   if (a.done && *a.done > 0) return;
   cloth_real rz = cloth_block_hat_upper(&a, (int)blockIdx.x, shares);
   int group = cloth_hat_fine_groups(&a.hats) + (int)blockIdx.x;

@@ -162,7 +162,7 @@ static __device__ __forceinline__ cloth_real cloth_block_hats(const cloth_hats *
   return cloth_block_hats_set<Lanes, Group>(h, cloth_lanes_v3<Lanes>(rest), begin, end, shared);
 }
 
-/// Group i of the first level, of the others. Their share of r'z on the first thread.
+/// Group i of the first level. Its share of r'z on the first thread.
 static __device__ __forceinline__ cloth_real cloth_block_hat_rest(const cloth_hat_rest_args *a,
                                                                   int i, cloth_real *shared)
 {
@@ -170,15 +170,6 @@ static __device__ __forceinline__ cloth_real cloth_block_hat_rest(const cloth_ha
   if (end > a->hats.fine) end = a->hats.fine;
   return cloth_block_hats<CLOTH_HAT_FINE_LANES, CLOTH_HAT_FINE_GROUP>(&a->hats, a->r, begin, end,
                                                                       shared);
-}
-
-static __device__ __forceinline__ cloth_real cloth_block_hat_upper(const cloth_hat_rest_args *a,
-                                                                   int i, cloth_real *shared)
-{
-  const cloth_hats *h = &a->hats;
-  int begin = h->fine + i * CLOTH_HAT_GROUP, end = begin + CLOTH_HAT_GROUP;
-  if (end > h->nodes) end = h->nodes;
-  return cloth_block_hats<CLOTH_HAT_LANES, CLOTH_HAT_GROUP>(h, h->rest, begin, end, shared);
 }
 
 // CLOTH_PCG_LANES numbers by one warp: lane l has numbers l, l + 32, ... Every warp that does it
@@ -220,6 +211,31 @@ static __device__ __forceinline__ void cloth_block_lanes_sums(cloth_real (&sum)[
     cloth_warp_lanes(v, [&](int l) { return shared[f * CLOTH_PCG_LANES + l]; });
     sum[f] = cloth_warp_lanes_sum(v);
   }
+}
+
+static_assert((int)CLOTH_HAT_WIDE_LANES == (int)CLOTH_PCG_LANES, "lanes are a block's threads");
+
+enum { CLOTH_HAT_SHARED = 3 * CLOTH_PCG_LANES }; // numbers of cloth_block_hat_upper()
+
+/// Group i of the other levels, likewise. shared [CLOTH_HAT_SHARED]. Every thread of a block of
+/// CLOTH_PCG_LANES must come here.
+static __device__ __forceinline__ cloth_real cloth_block_hat_upper(const cloth_hat_rest_args *a,
+                                                                   int i, cloth_real *shared)
+{
+  const cloth_hats *h = &a->hats;
+  int narrow = cloth_hat_narrow_groups(h);
+  if (i < narrow) {
+    int begin = h->fine + i * CLOTH_HAT_GROUP, end = begin + CLOTH_HAT_GROUP;
+    if (end > h->wide) end = h->wide;
+    return cloth_block_hats<CLOTH_HAT_LANES, CLOTH_HAT_GROUP>(h, h->rest, begin, end, shared);
+  }
+  int c = h->wide + i - narrow;
+  cloth_v3 mine = cloth_hat_rest_lane(h, h->rest, c, (int)threadIdx.x, CLOTH_HAT_WIDE_LANES);
+  cloth_real rest[3] = {mine.x, mine.y, mine.z};
+  __syncthreads(); // `shared` may still be read from the last time
+  cloth_block_lanes_sums(rest, shared);
+  if (threadIdx.x > 0) return 0;
+  return cloth_hat_rest_set(h, c, cloth_v3_make(rest[0], rest[1], rest[2]));
 }
 
 /// cloth_partial_sum() of fields 0 .. F - 1 by a block of CLOTH_PCG_LANES threads, on all of them.

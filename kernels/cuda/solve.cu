@@ -23,7 +23,7 @@ enum {
 // What a block keeps: room for sums, and the scalars as it knows them. What it reads of them is
 // the same on every block.
 struct shared_room {
-  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[2 * CLOTH_PCG_LANES];
+  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_HAT_SHARED];
   cloth_tile_room tiles;
   cloth_real scalar[CLOTH_PCG_SCALARS];
   cloth_pull_room pulls[WARPS];

@@ -27,7 +27,7 @@ using part_args = cloth_pcg_part_args;
 // What a block keeps: room for sums, and the scalars as it knows them: the same on every block of
 // every device.
 struct shared_room {
-  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[2 * CLOTH_PCG_LANES];
+  cloth_real upper[CHUNKS * CLOTH_CHUNK_SHARED], lanes[CLOTH_HAT_SHARED];
   cloth_tile_room tiles;
   cloth_real scalar[CLOTH_PCG_SCALARS];
 };

@@ -372,7 +372,8 @@ cloth_status ask_device(cloth_device *d, cloth_error *err)
 // a thread for each row, shared memory for the hats, and sums that a warp adds up at once
 bool fits(const cloth_device *d, const cloth_pcg_solve_args *args)
 {
-  return d->cluster_blocks > 1 && args->v.count <= d->cluster_blocks * THREADS &&
+  bool wide = args->v.hats.wide < args->v.hats.nodes; // by whole blocks
+  return d->cluster_blocks > 1 && !wide && args->v.count <= d->cluster_blocks * THREADS &&
          args->v.chunks + args->beta.more <= CLOTH_PCG_LANES &&
          room_bytes(&args->v.hats) <= d->shared_bytes;
 }

@@ -20,11 +20,20 @@ enum {
   CLOTH_HAT_FINE_LANES = 8,  // share the sum of a node of the first level
   CLOTH_HAT_FINE_GROUP = 32, // such nodes that are one entry of `partial`
   CLOTH_HAT_LANES = 32,      // the same for the other levels
-  CLOTH_HAT_GROUP = 8
+  CLOTH_HAT_GROUP = 8,
+  CLOTH_HAT_WIDE_LANES = 256,   // the same for wide levels, of which each node is an entry
+  CLOTH_HAT_WIDE_FINE = 1024,   // a level is wide if the first has so many nodes, and its own nodes
+  CLOTH_HAT_WIDE_CHILDREN = 256 // so many children, in the mean
 };
+
+// In a large mesh a node of the third level has up to 961 children in the first, one of the second
+// up to 49. (Coarse hats are sums of finer ones, so the third level could add up 49 of the second
+// instead: the same numbers but for rounding. But then it would wait for the second, a barrier more
+// in every iteration; so it has four numbers for each of 256 lanes.)
 
 typedef struct cloth_hats {
   int fine, nodes;                // nodes of the first level, of all; those of the first come first
+  int wide;                       // first node of the wide levels, which come last
   int uppers;                     // corners of a first node on all other levels: 4 (levels - 1)
   const int *corner;              // [vertices x 4] nodes of the first level
   const cloth_real *weight;       // [vertices x 4], of the part's own alone

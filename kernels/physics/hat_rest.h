@@ -56,9 +56,15 @@ CLOTH_FN int cloth_hat_fine_groups(const cloth_hats *h)
   return (h->fine + CLOTH_HAT_FINE_GROUP - 1) / CLOTH_HAT_FINE_GROUP;
 }
 
+/// Groups of the other levels that are not wide; of all other levels.
+CLOTH_FN int cloth_hat_narrow_groups(const cloth_hats *h)
+{
+  return (h->wide - h->fine + CLOTH_HAT_GROUP - 1) / CLOTH_HAT_GROUP;
+}
+
 CLOTH_FN int cloth_hat_groups(const cloth_hats *h)
 {
-  return (h->nodes - h->fine + CLOTH_HAT_GROUP - 1) / CLOTH_HAT_GROUP;
+  return cloth_hat_narrow_groups(h) + h->nodes - h->wide;
 }
 
 /// Group i of the first level.

@@ -248,7 +248,12 @@ static cloth_status take_levels(cloth_sim *sim, cloth_part *p, const shares *lev
   cloth_hats *h = &p->hats;
   lists l = {NULL, NULL, NULL};
   *h = (cloth_hats){.fine = level[0].nodes, .uppers = CORNERS * (levels - 1)};
-  for (int k = 0; k < levels; k++) h->nodes += level[k].nodes;
+  for (int k = 0; k < levels; k++) {
+    bool wide = k > 0 && h->fine >= CLOTH_HAT_WIDE_FINE &&
+                (int64_t)CORNERS * h->fine >= (int64_t)CLOTH_HAT_WIDE_CHILDREN * level[k].nodes;
+    h->nodes += level[k].nodes;
+    if (!wide) h->wide = h->nodes;
+  }
   CLOTH_TRY(cloth_hat_share_build(sim, p, level[0].corner, level[0].weight, err));
   cloth_status status = lists_make(&l, level, levels, h->nodes, &p->hat_share, err);
   if (status == CLOTH_OK) status = upload_lists(sim, p, level, levels, &l, err);

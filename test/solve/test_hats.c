@@ -1,5 +1,6 @@
 // The solver's levels of hat functions: what they are, what their nodes' blocks hold, and what they
 // are for.
+#define SHEET_SIDE_MAX 132
 #include "hat_rest.h"
 #include "solve/dense.h"
 
@@ -116,6 +117,48 @@ static int lists_of_nodes_turn_the_shares_around(void)
   return 0;
 }
 
+// in a mesh with a wide level every node beyond the first has the sum of what its children have,
+// and its entry in the sums of r'z
+static int large_nodes_sum_over_all_their_children(void)
+{
+  sheet_make(&strip, 1, 1, SHEET_SIDE_MAX, SHEET_SIDE_MAX);
+  cloth_def *def = def_new(PRECISION);
+  def_set(def, "threads", "1");
+  def_set(def, "preconditioner", "multilevel");
+  def_set(def, "newton_iterations_max", "1");
+  def_set(def, "pcg_iterations_max", "3");
+  def_set(def, "wind", "0.5 1 0");
+  def_set(def, "air_density", "1.2");
+  def_cloth(def, "sheet", &strip, cloth_material_default(), pose_at(0, 0, 1));
+  cloth_sim *sim = sim_new(def);
+  sim_step(sim, 1);
+  const cloth_hats *h = &sim->part[0].hats;
+  const cloth_real *rz =
+      sim->part[0].partial + CLOTH_PCG_PARTIALS * (sim->chunks + cloth_hat_fine_groups(h));
+  double sum_of_rz = 0, sum_of_entries = 0;
+  int most = 0;
+  CHECK(h->wide > h->fine && h->wide < h->nodes);
+  for (int c = h->fine; c < h->nodes; c++) {
+    double rest[3] = {0, 0, 0}, size = 0;
+    for (int n = h->first[c]; n < h->first[c + 1]; n++)
+      for (int k = 0; k < 3; k++) {
+        double of = (double)h->child_weight[n] * (double)h->rest[3 * h->child[n] + k];
+        rest[k] += of, size += fabs(of);
+      }
+    for (int k = 0; k < 3; k++) {
+      CHECK(size > 0 && fabs((double)h->rest[3 * c + k] - rest[k]) < 1e-5 * size);
+      sum_of_rz += (double)h->rest[3 * c + k] * (double)h->correction[3 * c + k];
+    }
+    if (h->first[c + 1] - h->first[c] > most) most = h->first[c + 1] - h->first[c];
+  }
+  for (int i = 0; i < cloth_hat_groups(h); i++)
+    sum_of_entries += (double)rz[CLOTH_PCG_PARTIALS * i];
+  CHECK(most > 2 * CLOTH_HAT_WIDE_LANES);
+  CHECK_NEAR(sum_of_entries, sum_of_rz, 1e-4 * fabs(sum_of_rz));
+  cloth_sim_free(sim), cloth_def_free(def);
+  return 0;
+}
+
 // the block of node c by the dense matrix: the sum over both sides of share A share
 static void block_of(const cloth_sim *sim, int c, double block[3][3])
 {
@@ -194,6 +237,7 @@ int main(int argc, char **argv)
   int failures = 0;
   RUN(hats_sum_to_one_and_hold_what_is_linear);
   RUN(lists_of_nodes_turn_the_shares_around);
+  RUN(large_nodes_sum_over_all_their_children);
   RUN(blocks_of_the_first_level_are_those_of_the_dense_matrix);
   RUN(levels_spare_iterations_the_more_the_longer_the_cloth);
   return failures > 0;

@@ -1,10 +1,12 @@
 // A linear solve by several devices: one cooperative kernel on each, all at the same time, in each
 // other's memory. kernels/physics/pcg_part.h says who tells whom what. Inside a device it is the
-// kernel of solve.cu: loops over chunks by all blocks, with a barrier behind each; the block that
-// comes last to a barrier gives the signal to the other devices and waits for theirs. Sums over all
-// chunks are added up by each block for itself (group_sums.cuh), from terms that all devices have.
+// kernel of solve.cu: loops over chunks by all blocks, with a barrier behind each. A signal to
+// other devices is given by every block for itself: it counts up a word in their memory, so nobody
+// waits for the last block of a device to pass it on. Sums over all chunks are added up by each
+// block for itself (group_sums.cuh), from terms that all devices have.
 //
 // Nothing hangs: who waits longer than PATIENCE gives up, tells the others, and all leave.
+#include "count.cuh"
 #include "group_sums.cuh"
 #include "launch.h"
 #include "pcg_part.h"
@@ -32,136 +34,105 @@ struct shared_room {
   cloth_real scalar[CLOTH_PCG_SCALARS];
 };
 
+// Words of a device's flags, a cache line each. The device's own blocks count up NEAR, blocks of
+// other devices the word of the signal that they give.
+enum word { NEAR, START, RESIDUALS, DIRECTIONS, PRODUCTS, LOST, WORDS };
+static_assert((int)WORDS * CLOTH_FLAG_STRIDE <= (int)CLOTH_FLAG_WORDS, "a line each");
+
 struct grid {
   const part_args &a;
-  int *flag;         // signals of the others
-  unsigned *arrived; // blocks at barriers
-  volatile unsigned *passed;
-  volatile int *lost;
-  unsigned barriers; // passed by this block
+  unsigned others;   // blocks of the other devices
+  unsigned barriers; // of the device, to which this block came
+  int *gone;         // shared: somebody is lost, so nobody is waited for
 };
+
+__device__ unsigned *word_of(const grid &g, int part, word w)
+{
+  return reinterpret_cast<unsigned *>(g.a.peer[part].flag) + (int)w * CLOTH_FLAG_STRIDE;
+}
 
 // ---- waiting ------------------------------------------------------------------------------------
 
-__device__ void tell(const grid &g, int part, int number)
-{
-  *static_cast<volatile int *>(g.a.peer[part].flag + g.a.me * CLOTH_FLAG_STRIDE) = number;
-}
-
 __device__ void give_up(const grid &g)
 {
-  *g.lost = 1;
-  for (int j = 0; j < g.a.parts; j++)
-    if (j != g.a.me) tell(g, j, CLOTH_FLAG_LOST);
+  for (int j = 0; j < g.a.parts; j++) *const_cast<volatile unsigned *>(word_of(g, j, LOST)) = 1;
 }
 
 // one thread, until ready() or all is lost
 template <typename Ready> __device__ void spin(const grid &g, Ready ready)
 {
+  const volatile unsigned *lost = word_of(g, g.a.me, LOST);
   uint64_t since = 0;
   for (unsigned n = 1; !ready(); n++) {
     if (n % POLLS > 0) continue;
-    if (*g.lost) return;
     uint64_t now = cloth_nanoseconds();
     if (since == 0) since = now;
-    if (now - since < PATIENCE) continue;
-    give_up(g);
+    if (now - since >= PATIENCE) give_up(g);
+    if (!*lost) continue;
+    *g.gone = 1;
     return;
   }
 }
 
-// The block goes on when all parts have given this signal; what they wrote before is seen.
-__device__ void await(const grid &g, int number)
-{
-  int j = (int)threadIdx.x;
-  if (j < g.a.parts && j != g.a.me) {
-    const volatile int *flag = g.flag + j * CLOTH_FLAG_STRIDE;
-    spin(g, [&] {
-      int told = *flag;
-      if (told == CLOTH_FLAG_LOST) *g.lost = 1;
-      return told >= number;
-    });
-    __threadfence_system();
-  }
-  __syncthreads();
-}
-
-// By one block, when all blocks of the device have written: so have they on the others' memory.
-__device__ void signal(const grid &g, int number)
-{
-  int j = (int)threadIdx.x;
-  if (j < g.a.parts && j != g.a.me) {
-    __threadfence_system();
-    tell(g, j, number);
-  }
-}
-
-__device__ bool is_lost(const grid &g)
-{
-  __shared__ int lost;
-  __syncthreads();
-  if (threadIdx.x == 0) lost = *g.lost;
-  __syncthreads();
-  return lost != 0;
-}
-
-// All blocks of the device meet (they are all resident), and `last` runs on the whole block that
-// arrives last before any goes on. far: what was written to other devices is there before.
-template <typename Last> __device__ void barrier(grid &g, bool far, Last last)
-{
-  __shared__ int is_last;
-  g.barriers++;
-  __syncthreads();
-  if (threadIdx.x == 0) {
-    if (far)
-      __threadfence_system(); // of the whole block: the barrier above came first
-    else
-      __threadfence();
-    is_last = atomicAdd(g.arrived, 1) == g.barriers * gridDim.x - 1;
-    __threadfence();
-  }
-  __syncthreads();
-  if (is_last) {
-    last();
-    __syncthreads();
-    if (threadIdx.x == 0) {
-      __threadfence();
-      *g.passed = g.barriers;
-    }
-  } else if (threadIdx.x == 0) {
-    unsigned number = g.barriers;
-    spin(g, [&] { return *g.passed >= number; });
-    __threadfence();
-  }
-  __syncthreads();
-}
-
-// The same without `last`, in two halves.
+// What the block wrote is seen by the device's other blocks that have waited.
 __device__ void arrive(grid &g)
 {
   g.barriers++;
   __syncthreads();
-  if (threadIdx.x > 0) return;
-  __threadfence();
-  atomicAdd(g.arrived, 1);
+  if (threadIdx.x == 0) cloth_count_up(word_of(g, g.a.me, NEAR));
+}
+
+// one thread
+__device__ void look_for_near(const grid &g)
+{
+  const unsigned *arrived = word_of(g, g.a.me, NEAR);
+  unsigned all = g.barriers * gridDim.x;
+  spin(g, [&] { return cloth_count_of(arrived) >= all; });
 }
 
 __device__ void wait(const grid &g)
 {
-  if (threadIdx.x == 0) {
-    const volatile unsigned *arrived = g.arrived;
-    unsigned all = g.barriers * gridDim.x;
-    spin(g, [&] { return *arrived >= all; });
-    __threadfence();
-  }
+  if (threadIdx.x == 0) look_for_near(g);
   __syncthreads();
 }
 
+// All blocks of the device meet: they are all resident.
 __device__ void barrier(grid &g)
 {
   arrive(g);
   wait(g);
 }
+
+// What the block wrote, into whose memory ever, is seen by those of others who have awaited it. The
+// threads of the block have met since.
+__device__ void signal(const grid &g, word w)
+{
+  int j = (int)threadIdx.x - CLOTH_WARP; // the first warp has its own device to tell
+  if (j >= 0 && j < g.a.parts && j != g.a.me) cloth_count_up_far(word_of(g, j, w));
+}
+
+// The block goes on when all blocks of the other devices have given a signal `times` times. Nobody
+// gives it once more before all have come to a meeting behind it.
+__device__ void await(const grid &g, word w, int times)
+{
+  if (threadIdx.x == CLOTH_WARP) {
+    const unsigned *arrived = word_of(g, g.a.me, w);
+    unsigned all = (unsigned)times * g.others;
+    spin(g, [&] { return cloth_count_of_far(arrived) >= all; });
+  }
+  __syncthreads();
+}
+
+// All blocks of all devices meet.
+__device__ void meet(grid &g, word w, int times)
+{
+  arrive(g);
+  signal(g, w);
+  if (threadIdx.x == 0) look_for_near(g);
+  await(g, w, times);
+}
+
+__device__ bool is_lost(const grid &g) { return *g.gone != 0; }
 
 // ---- phases -------------------------------------------------------------------------------------
 
@@ -199,7 +170,7 @@ template <typename Row> __device__ void for_levels(const part_args &a, shared_ro
 // q = A p of chunks [begin, end) of the order, and the terms of p'q for everybody. Both are whole
 // tiles, but for the order's end (halo_group.h). From chunk `wait` of the order on the directions
 // of the others are needed.
-__device__ void for_rows(const grid &g, int begin, int end, int wait, int number, shared_room *room)
+__device__ void for_rows(const grid &g, int begin, int end, int wait, int times, shared_room *room)
 {
   const part_args &a = g.a;
   const cloth_pcg_product_args &product = a.solve.product;
@@ -211,7 +182,7 @@ __device__ void for_rows(const grid &g, int begin, int end, int wait, int number
       [&](int tile, cloth_real(&sum)[1]) {
         int c = begin + tile * CHUNKS, at = c + (int)threadIdx.x / CLOTH_CHUNK;
         if (!waited && c + CHUNKS > wait) {
-          await(g, number);
+          await(g, DIRECTIONS, times);
           waited = true;
         }
         int i = at < end ? (int)a.order[at] : 0;
@@ -240,25 +211,25 @@ __device__ void for_contacts(const grid &g, bool inner, bool outer)
 
 // Own rows while the others' directions travel. Contacts that need these have a barrier of their
 // own.
-__device__ void product(grid &g, int number, shared_room *room)
+__device__ void product(grid &g, int times, shared_room *room)
 {
   const part_args &a = g.a;
   bool contacts = a.solve.contacts > 0, outer = a.outer[1] > 0;
   int chunks = (a.solve.v.count + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
   int inner = chunks - (int)a.outer[0];
-  if (!a.overlap) await(g, number);
+  if (!a.overlap) await(g, DIRECTIONS, times);
   for_contacts(g, true, !a.overlap);
   if (contacts) barrier(g);
   if (!a.overlap) {
-    for_rows(g, 0, chunks, chunks, number, room);
+    for_rows(g, 0, chunks, chunks, times, room);
   } else if (!outer) {
-    for_rows(g, 0, chunks, inner, number, room);
+    for_rows(g, 0, chunks, inner, times, room);
   } else {
-    for_rows(g, 0, inner, inner, number, room);
-    await(g, number);
+    for_rows(g, 0, inner, inner, times, room);
+    await(g, DIRECTIONS, times);
     for_contacts(g, false, true);
     barrier(g);
-    for_rows(g, inner, chunks, chunks, number, room);
+    for_rows(g, inner, chunks, chunks, times, room);
   }
 }
 
@@ -324,10 +295,7 @@ __device__ bool turn(grid &g, int k, shared_room *room)
     if (k > 0) barrier(g);
     correct_finely(g.a, room->lanes);
   }
-  barrier(g, true, [&] {
-    signal(g, cloth_residuals_signal(k));
-    await(g, cloth_residuals_signal(k));
-  });
+  meet(g, RESIDUALS, k + 1);
   restrict_all(a, room->lanes);
   if (a.v.coarse) {
     barrier(g);
@@ -349,7 +317,9 @@ __device__ bool turn(grid &g, int k, shared_room *room)
     if (cloth_hat_is_mine(&g.a, c)) cloth_hat_spread_node(c, &a.v.hats);
   if (hats) barrier(g);
   directions(g.a, room->scalar[CLOTH_PCG_BETA]);
-  barrier(g, true, [&] { signal(g, cloth_directions_signal(k)); });
+  arrive(g);
+  signal(g, DIRECTIONS);
+  wait(g);
   return true;
 }
 
@@ -361,10 +331,7 @@ __device__ void start_nodes(grid &g)
   for (int row = (int)(blockIdx.x * blockDim.x + threadIdx.x); row < g.a.solve.v.count;
        row += stride)
     cloth_hat_row_send(&g.a, row, 1);
-  barrier(g, true, [&] {
-    signal(g, CLOTH_START_SIGNAL);
-    await(g, CLOTH_START_SIGNAL);
-  });
+  meet(g, START, 1);
 }
 
 __device__ void iterate(grid &g, shared_room *room)
@@ -377,11 +344,8 @@ __device__ void iterate(grid &g, shared_room *room)
   cloth_stopwatch products(a.solve.product_ns);
   for (int k = 0; turn(g, k, room); k++) {
     products.start();
-    product(g, cloth_directions_signal(k), room);
-    barrier(g, true, [&] {
-      signal(g, cloth_products_signal(k));
-      await(g, cloth_products_signal(k));
-    });
+    product(g, k + 1, room);
+    meet(g, PRODUCTS, k + 1);
     cloth_block_alpha(a.solve, room->scalar, room->lanes);
     products.stop();
     if (room->scalar[CLOTH_PCG_DONE] > 0) return;
@@ -392,13 +356,12 @@ __device__ void iterate(grid &g, shared_room *room)
 }
 
 __global__ void __launch_bounds__(THREADS, RESIDENT)
-    part_kernel(const __grid_constant__ part_args a)
+    part_kernel(const __grid_constant__ part_args a, unsigned others)
 {
   __shared__ shared_room room;
-  int *flag = a.peer[a.me].flag, *own = flag + CLOTH_PARTS_MAX * CLOTH_FLAG_STRIDE;
-  grid g = {
-      a,        flag, reinterpret_cast<unsigned *>(own), reinterpret_cast<unsigned *>(own + 8),
-      own + 16, 0};
+  __shared__ int gone;
+  grid g = {a, others, 0, &gone};
+  if (threadIdx.x == 0) gone = 0;
   cloth_real *scalar = a.solve.v.scalar;
   if (threadIdx.x < CLOTH_PCG_SCALARS) room.scalar[threadIdx.x] = scalar[threadIdx.x];
   iterate(g, &room);
@@ -450,13 +413,18 @@ bool cloth_cuda_joined(int parts, cloth_device *const *device)
 cloth_status cloth_cuda_solve_parts(int parts, cloth_device *const *device,
                                     const cloth_pcg_part_args *args, cloth_error *err)
 {
-  for (int i = 0; i < parts; i++) CLOTH_TRY(prepare(device[i], err));
+  unsigned blocks[CLOTH_PARTS_MAX], all = 0;
+  for (int i = 0; i < parts; i++) {
+    CLOTH_TRY(prepare(device[i], err));
+    blocks[i] = (unsigned)blocks_for(device[i], &args[i]);
+    all += blocks[i];
+  }
   for (int i = 0; i < parts; i++) {
     CUDA_TRY(err, cudaSetDevice(device[i]->index));
-    void *parameters[] = {const_cast<part_args *>(&args[i])};
-    CUDA_TRY(err, cudaLaunchCooperativeKernel(
-                      part_kernel, dim3((unsigned)blocks_for(device[i], &args[i])), dim3(THREADS),
-                      parameters, 0, device[i]->stream[CLOTH_COMPUTE]));
+    unsigned others = all - blocks[i];
+    void *parameters[] = {const_cast<part_args *>(&args[i]), &others};
+    CUDA_TRY(err, cudaLaunchCooperativeKernel(part_kernel, dim3(blocks[i]), dim3(THREADS),
+                                              parameters, 0, device[i]->stream[CLOTH_COMPUTE]));
   }
   return CLOTH_OK;
 }

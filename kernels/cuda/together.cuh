@@ -3,6 +3,8 @@
 // wrote before a barrier is seen by all after it.
 #pragma once
 
+#include "count.cuh"
+
 #include <cuda_runtime_api.h>
 
 struct cloth_together_state { // in device memory, zero before the launch
@@ -20,12 +22,12 @@ struct cloth_together_grid {
   {
     barriers++;
     __syncthreads();
-    if (threadIdx.x == 0) count_up(&state->arrived);
+    if (threadIdx.x == 0) cloth_count_up(&state->arrived);
   }
 
   __device__ void wait()
   {
-    if (threadIdx.x == 0) wait_for(&state->arrived, barriers * gridDim.x);
+    while (threadIdx.x == 0 && cloth_count_of(&state->arrived) < barriers * gridDim.x) {}
     __syncthreads();
   }
 
@@ -33,21 +35,6 @@ struct cloth_together_grid {
   {
     arrive();
     wait();
-  }
-
-private:
-  // Counting releases and waiting acquires. That is cheaper than full fences, and enough, because a
-  // block's threads meet before and after.
-  static __device__ void count_up(unsigned *at)
-  {
-    asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(at) : "memory");
-  }
-
-  static __device__ void wait_for(const unsigned *at, unsigned most)
-  {
-    unsigned now;
-    do asm volatile("ld.acquire.gpu.global.u32 %0, [%1];" : "=r"(now) : "l"(at) : "memory");
-    while (now < most);
   }
 };
 

@@ -1,6 +1,6 @@
 // One whole solve by several parts that reach each other's memory (backend.h, solve_parts). No part
 // asks the host anything: it writes what the others need into their memory, and tells them by a
-// count of signals. In this order, iteration after iteration:
+// count of signals (on a GPU each of its blocks does). In this order, iteration after iteration:
 //
 //   signal 1        start, with hats only: r of the rows that others' nodes sum over lies in their
 //                   `r`
@@ -35,8 +35,7 @@
 enum {
   CLOTH_PARTS_MAX = 16,   // of such a solve
   CLOTH_FLAG_STRIDE = 32, // numbers between two flags, so that each has a cache line to itself
-  CLOTH_FLAG_WORDS = (CLOTH_PARTS_MAX + 1) * CLOTH_FLAG_STRIDE, // the last line: the part's own
-  CLOTH_FLAG_LOST = -1 // instead of a count: do not wait any more
+  CLOTH_FLAG_WORDS = CLOTH_PARTS_MAX * CLOTH_FLAG_STRIDE
 };
 
 // memory of one part that the others write
@@ -46,7 +45,7 @@ typedef struct cloth_pcg_peer {
   cloth_pcg_terms terms;
   cloth_real *r, *q;                     // [vertices x 3], written with hats only
   cloth_real *hat_rest, *hat_correction; // [nodes x 3]
-  int *flag;                             // [CLOTH_FLAG_WORDS] signals of each part so far
+  int *flag; // [CLOTH_FLAG_WORDS] signals so far, zero before: how a backend counts them is its own
 } cloth_pcg_peer;
 
 typedef struct cloth_pcg_part_args {

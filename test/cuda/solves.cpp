@@ -19,6 +19,34 @@ extern "C" {
 #include "backend.h"
 }
 #include "contact_pull.cuh"
+#define cloth_count_up     count_in_ptx
+#define cloth_count_of     look_in_ptx
+#define cloth_count_up_far count_far_in_ptx
+#define cloth_count_of_far look_far_in_ptx
+#include "count.cuh"
+#undef cloth_count_up
+#undef cloth_count_of
+#undef cloth_count_up_far
+#undef cloth_count_of_far
+
+// Blocks are more than processors: who waits lets others run, of the own block too.
+static void let_others_run()
+{
+  emulated::yield();
+  usleep(20);
+}
+
+static void cloth_count_up(unsigned *at) { __atomic_fetch_add(at, 1, __ATOMIC_ACQ_REL); }
+static void cloth_count_up_far(unsigned *at) { cloth_count_up(at); }
+
+static unsigned cloth_count_of(const unsigned *at)
+{
+  unsigned now = __atomic_load_n(at, __ATOMIC_ACQUIRE);
+  let_others_run();
+  return now;
+}
+static unsigned cloth_count_of_far(const unsigned *at) { return cloth_count_of(at); }
+
 #include "device.h"
 #include "group_sums.cuh"
 #include "launch.h"
@@ -29,15 +57,7 @@ extern "C" {
 #include "stopwatch.cuh"
 #undef cloth_nanoseconds
 
-// Blocks are more than processors: who waits lets others run.
-static void let_others_run() { usleep(20); }
-
-// who waits asks for the time
-static uint64_t cloth_nanoseconds()
-{
-  let_others_run();
-  return 0;
-}
+static uint64_t cloth_nanoseconds() { return 0; }
 
 // the host's half of these files is not run; where there is CUDA it is there
 #define HOST __attribute__((weak)) cloth_status
@@ -91,37 +111,16 @@ namespace small {
 
 namespace {
 
-// as cloth_together_grid
-struct grid {
-  std::atomic<unsigned> *arrived;
-  unsigned barriers;
-
-  void arrive()
-  {
-    barriers++;
-    __syncthreads();
-    if (threadIdx.x == 0) arrived->fetch_add(1);
-  }
-
-  void wait()
-  {
-    while (threadIdx.x == 0 && arrived->load() < barriers * gridDim.x) let_others_run();
-    __syncthreads();
-  }
-
-  void sync() { arrive(), wait(); }
-};
-
 struct launch {
   const cloth_pcg_solve_args *args;
-  std::atomic<unsigned> arrived;
+  cloth_together_state state;
   bool sparse;
 };
 
 void kernel_of_one(void *l)
 {
   launch *of = static_cast<launch *>(l);
-  grid g = {&of->arrived, 0};
+  cloth_together_grid g(&of->state);
   if (of->sparse)
     one::solve<one::rows_ahead>(*of->args, g);
   else
@@ -157,7 +156,16 @@ void kernel_of_sums(void *a)
   if (threadIdx.x == 0) s->out[0] = sum[0], s->out[1] = sum[1];
 }
 
-void kernel_of_part(void *a) { several::part_kernel(*static_cast<const cloth_pcg_part_args *>(a)); }
+struct part {
+  const cloth_pcg_part_args *args;
+  unsigned others;
+};
+
+void kernel_of_part(void *p)
+{
+  const part *of = static_cast<const part *>(p);
+  several::part_kernel(*of->args, of->others);
+}
 
 } // namespace
 
@@ -192,9 +200,12 @@ extern "C" void emulated_sums(const cloth_real *partial, int chunks, int more, c
 extern "C" void emulated_solve_parts(int parts, const cloth_pcg_part_args *args, const int *blocks)
 {
   std::vector<std::thread> all;
+  std::vector<part> of;
+  int sum = 0;
+  for (int i = 0; i < parts; i++) sum += blocks[i];
+  for (int i = 0; i < parts; i++) of.push_back({&args[i], (unsigned)(sum - blocks[i])});
   for (int i = 0; i < parts; i++)
     for (int b = 0; b < blocks[i]; b++)
-      all.emplace_back(emulated::run_block, b, blocks[i], several::THREADS, kernel_of_part,
-                       const_cast<cloth_pcg_part_args *>(&args[i]));
+      all.emplace_back(emulated::run_block, b, blocks[i], several::THREADS, kernel_of_part, &of[i]);
   for (std::thread &t : all) t.join();
 }

@@ -15,8 +15,8 @@ import tempfile
 
 COUNTS = (1, 2, 4, 8, 16)
 ROWS, OWN, HALO = 2054700, 0.999, 0.002  # block rows of the flag of 4.1 M triangles; of its blocks; of a sub-vector
-MARKS = {'flag_4100k': ('o', 'flag 4.1 M'), 'flag_1200k': ('s', 'flag 1.2 M'), 'sphere_1650k': ('D', 'sphere 1.65 M'),
-         'sphere_1000k': ('^', 'sphere 1 M'), 'sheets_700k': ('v', 'three sheets 700 K')}
+MARKS = {'flag_8000k': ('p', 'flag 8 M'), 'flag_4100k': ('o', 'flag 4.1 M'), 'flag_1200k': ('s', 'flag 1.2 M'),
+         'sphere_1650k': ('D', 'sphere 1.65 M'), 'sphere_1000k': ('^', 'sphere 1 M'), 'sheets_700k': ('v', 'three sheets 700 K')}
 BEFORE = {'flag_1200k --resolution 1.85': 'flag_4100k', 'flag_1200k': 'flag_1200k', 'sheets_700k': 'sheets_700k'}
 ASSEMBLY, COLLISION = ('ms_effects', 'ms_assemble'), ('ms_pairs', 'ms_contact', 'ms_ccd')
 

@@ -2,6 +2,9 @@
 //   A = M / h^2 + K,   b = -M / h^2 (x - x*) + f(x),   M with 1 + h drag where mass is damped,
 // gathered from the slots that the element kernels wrote. Each row adds in one fixed order; nothing
 // is scattered. Also the inverse of the diagonal block, contacts included, for the preconditioner.
+//
+// Blocks are added line by line, so that three threads of a GPU can share a row: each number of a
+// block is one thread's, with the same sum.
 #pragma once
 
 #include "bend_shape.h"
@@ -42,7 +45,8 @@ typedef struct cloth_assemble_row_args {
   cloth_real *inverse_diagonal;      // [vertices x 6] m/N, written
 } cloth_assemble_row_args;
 
-CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_lines lines,
+                                 cloth_v3 *f)
 {
   for (int n = a->membrane.first[i]; n < a->membrane.first[i + 1]; n++) {
     int e = a->membrane.corner[n] / 3, c = a->membrane.corner[n] % 3;
@@ -51,17 +55,22 @@ CLOTH_FN void cloth_add_membrane(int i, const cloth_assemble_row_args *a, cloth_
     int slot[3] = {a->membrane.slot[3 * n + c], a->membrane.slot[3 * n + next],
                    a->membrane.slot[3 * n + last]};
     cloth_sym3 own = cloth_sym3_load(tangent, c);
-    cloth_real to_next[9], to_last[9];
-    for (int k = 0; k < 9; k++) to_next[k] = tangent[18 + 9 * c + k];
-    for (int k = 0; k < 9; k++) to_last[k] = tangent[18 + 9 * last + 3 * (k % 3) + k / 3];
+    cloth_v3 to_next[3], to_last[3];
+    for (int l = 0; l < lines.count; l++) {
+      int d = lines.first + l;
+      const cloth_real *column = tangent + 18 + 9 * last + d;
+      to_next[l] = cloth_v3_load(tangent + 18 + 9 * c, d);
+      to_last[l] = cloth_v3_make(column[0], column[3], column[6]);
+    }
     *f = cloth_v3_add(*f, cloth_v3_load(a->membrane_force, 3 * e + c));
-    cloth_block_add_sym(&a->rows, i, slot[0], own);
-    cloth_block_add(&a->rows, i, slot[1], to_next);
-    cloth_block_add(&a->rows, i, slot[2], to_last);
+    cloth_block_add_sym(&a->rows, i, slot[0], lines, own);
+    cloth_block_add(&a->rows, i, slot[1], lines, to_next);
+    cloth_block_add(&a->rows, i, slot[2], lines, to_last);
   }
 }
 
-CLOTH_FN void cloth_add_bend(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+CLOTH_FN void cloth_add_bend(int i, const cloth_assemble_row_args *a, cloth_lines lines,
+                             cloth_v3 *f)
 {
   for (int n = a->bend.first[i]; n < a->bend.first[i + 1]; n++) {
     int e = a->bend.corner[n] / 4, c = a->bend.corner[n] % 4;
@@ -71,12 +80,13 @@ CLOTH_FN void cloth_add_bend(int i, const cloth_assemble_row_args *a, cloth_v3 *
     int slot[4];
     for (int k = 0; k < 4; k++)
       other[k] = cloth_v3_load(a->bend_gradient, 4 * e + k), slot[k] = a->bend.slot[4 * n + k];
-    for (int k = 0; k < 4; k++) cloth_block_add_outer(&a->rows, i, slot[k], g, other[k]);
+    for (int k = 0; k < 4; k++) cloth_block_add_outer(&a->rows, i, slot[k], lines, g, other[k]);
   }
 }
 
 // a constant matrix: one number per block
-CLOTH_FN void cloth_add_bend_quadratic(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+CLOTH_FN void cloth_add_bend_quadratic(int i, const cloth_assemble_row_args *a, cloth_lines lines,
+                                       cloth_v3 *f)
 {
   for (int n = a->bend.first[i]; n < a->bend.first[i + 1]; n++) {
     int e = a->bend.corner[n] / 4, c = a->bend.corner[n] % 4;
@@ -85,52 +95,52 @@ CLOTH_FN void cloth_add_bend_quadratic(int i, const cloth_assemble_row_args *a, 
     for (int k = 0; k < 4; k++) {
       cloth_real *v = cloth_block_at(&a->rows, i, a->bend.slot[4 * n + k]);
       cloth_real m = w * a->bend_constant[4 * e + k];
-      for (int d = 0; d < 9; d += 4) v[d * CLOTH_ROW_GROUP] += m;
+      for (int l = 0; l < lines.count; l++) v[4 * (lines.first + l) * CLOTH_ROW_GROUP] += m;
     }
   }
 }
 
 // K_cb = sum_j p_j g_jb' with p_j = sum_i W_ij g_ic over the edges i that corner c moves
-CLOTH_FN void cloth_add_bend_shape(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+CLOTH_FN void cloth_add_bend_shape(int i, const cloth_assemble_row_args *a, cloth_lines lines,
+                                   cloth_v3 *f)
 {
   const int at[9] = {0, 5, 4, 5, 1, 3, 4, 3, 2}; // full index of W -> stored index
   for (int n = a->shape.first[i]; n < a->shape.first[i + 1]; n++) {
     int e = a->shape.corner[n] / 6, c = a->shape.corner[n] % 6;
     const int *slot = a->shape.slot + 6 * n;
     const cloth_real *w = a->shape_weight + 6 * e, *g = a->shape_gradient + 36 * e;
-    cloth_v3 p[3];
+    cloth_real p[3][3] = {{0}}; // [edge][line]
     *f = cloth_v3_add(*f, cloth_v3_load(a->shape_force, 6 * e + c));
-    for (int j = 0; j < 3; j++) {
-      p[j] = cloth_v3_make(0, 0, 0);
+    for (int j = 0; j < 3; j++)
       for (int k = 0; k < 3; k++)
         if (c < 3 || c == 3 + k) // vertex of hinge k that corner c is
-          p[j] = cloth_v3_add_scaled(p[j], w[at[3 * j + k]],
-                                     cloth_v3_load(g, 4 * k + (c > 2 ? 3 : (c + 2 - k) % 3)));
-    }
+          for (int l = 0; l < lines.count; l++)
+            p[j][l] +=
+                w[at[3 * j + k]] * g[3 * (4 * k + (c > 2 ? 3 : (c + 2 - k) % 3)) + lines.first + l];
     for (int b = 0; b < 3; b++) {
       int j = (b + 1) % 3, k = (b + 2) % 3;
       cloth_v3 gj = cloth_v3_load(g, 4 * j + 1), gk = cloth_v3_load(g, 4 * k),
-               gb = cloth_v3_load(g, 4 * b + 2);
-      const cloth_real u[9] = {p[j].x, p[j].y, p[j].z, p[k].x, p[k].y,
-                               p[k].z, p[b].x, p[b].y, p[b].z};
-      cloth_real full[9];
-      for (int r = 0; r < 3; r++) {
-        full[3 * r] = u[r] * gj.x + u[3 + r] * gk.x + u[6 + r] * gb.x;
-        full[3 * r + 1] = u[r] * gj.y + u[3 + r] * gk.y + u[6 + r] * gb.y;
-        full[3 * r + 2] = u[r] * gj.z + u[3 + r] * gk.z + u[6 + r] * gb.z;
+               gb = cloth_v3_load(g, 4 * b + 2), far = cloth_v3_load(g, 4 * b + 3);
+      cloth_v3 near_line[3], far_line[3];
+      for (int l = 0; l < lines.count; l++) {
+        cloth_real u = p[j][l], v = p[k][l], t = p[b][l];
+        near_line[l] = cloth_v3_make(u * gj.x + v * gk.x + t * gb.x, u * gj.y + v * gk.y + t * gb.y,
+                                     u * gj.z + v * gk.z + t * gb.z);
+        far_line[l] = cloth_v3_scale(t, far);
       }
-      cloth_block_add(&a->rows, i, slot[b], full);
-      cloth_block_add_outer(&a->rows, i, slot[3 + b], p[b], cloth_v3_load(g, 4 * b + 3));
+      cloth_block_add(&a->rows, i, slot[b], lines, near_line);
+      cloth_block_add(&a->rows, i, slot[3 + b], lines, far_line);
     }
   }
 }
 
-CLOTH_FN void cloth_add_drag(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+CLOTH_FN void cloth_add_drag(int i, const cloth_assemble_row_args *a, cloth_lines lines,
+                             cloth_v3 *f)
 {
   for (int n = a->drag.first[i]; n < a->drag.first[i + 1]; n++) {
     int e = a->drag.corner[n] / 3;
     *f = cloth_v3_add(*f, cloth_v3_load(a->drag_force, e));
-    cloth_block_add_sym(&a->rows, i, 0, cloth_sym3_load(a->drag_tangent, e));
+    cloth_block_add_sym(&a->rows, i, 0, lines, cloth_sym3_load(a->drag_tangent, e));
   }
 }
 
@@ -159,7 +169,8 @@ enum { CLOTH_CONTACTS_AHEAD = 4 }; // loaded before the first of them is added
 
 // Contacts with bodies: their blocks couple vertices that the mesh couples too. At the pole of a
 // ball a row may have a hundred.
-CLOTH_FN void cloth_add_body_contacts(int i, const cloth_assemble_row_args *a, cloth_v3 *f)
+CLOTH_FN void cloth_add_body_contacts(int i, const cloth_assemble_row_args *a, cloth_lines lines,
+                                      cloth_v3 *f)
 {
   uint32_t end = a->contact_first[2 * i + 1];
   for (uint32_t n = a->contact_first[2 * i]; n < end; n += CLOTH_CONTACTS_AHEAD) {
@@ -171,7 +182,7 @@ CLOTH_FN void cloth_add_body_contacts(int i, const cloth_assemble_row_args *a, c
       *f = cloth_v3_add_scaled(*f, c->own, c->force);
       for (int b = 0; b < 4; b++)
         if (c->slot[b] >= 0)
-          cloth_block_add_sym(&a->rows, i, c->slot[b],
+          cloth_block_add_sym(&a->rows, i, c->slot[b], lines,
                               cloth_sym3_scale(c->own * c->weight[b], c->tangent));
     }
   }
@@ -189,10 +200,12 @@ CLOTH_FN void cloth_add_factored_contacts(int i, const cloth_assemble_row_args *
   }
 }
 
-CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
+/// Lines of the blocks of row i, all but what contacts of cloth with cloth add; the force so far
+/// [N].
+CLOTH_FN cloth_v3 cloth_assemble_lines(int i, const cloth_assemble_row_args *a, cloth_lines lines)
 {
   int v = a->first + i;
-  cloth_block_clear(&a->rows, i);
+  cloth_block_clear(&a->rows, i, lines);
 
   // inertia and compliant holds
   cloth_real m = a->mass[v] * a->inverse_step * a->inverse_step;
@@ -204,19 +217,31 @@ CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
     f = cloth_v3_add_scaled(f, k, cloth_v3_sub(cloth_v3_load(a->target, v), x));
     m += k;
   }
-  cloth_block_add_sym(&a->rows, i, 0, cloth_sym3_axis(m, 0, f));
+  cloth_block_add_sym(&a->rows, i, 0, lines, cloth_sym3_axis(m, 0, f));
 
-  if (a->membrane.first) cloth_add_membrane(i, a, &f);
+  if (a->membrane.first) cloth_add_membrane(i, a, lines, &f);
   if (a->bend.first && a->bend_constant)
-    cloth_add_bend_quadratic(i, a, &f);
+    cloth_add_bend_quadratic(i, a, lines, &f);
   else if (a->bend.first)
-    cloth_add_bend(i, a, &f);
-  if (a->shape.first) cloth_add_bend_shape(i, a, &f);
-  if (a->drag.first) cloth_add_drag(i, a, &f);
+    cloth_add_bend(i, a, lines, &f);
+  if (a->shape.first) cloth_add_bend_shape(i, a, lines, &f);
+  if (a->drag.first) cloth_add_drag(i, a, lines, &f);
+  if (a->contact_first) cloth_add_body_contacts(i, a, lines, &f);
+  return f;
+}
 
-  if (a->contact_first) cloth_add_body_contacts(i, a, &f);
+/// What is left when all its lines are there; f: their force.
+CLOTH_FN void cloth_assemble_rest(int i, const cloth_assemble_row_args *a, cloth_v3 f)
+{
+  int v = a->first + i;
   cloth_sym3 d = cloth_block_diagonal(&a->rows, i);
   if (a->contact_first) cloth_add_factored_contacts(i, a, &f, &d);
   cloth_v3_store(a->b, v, f);
   cloth_sym3_store(a->inverse_diagonal, v, cloth_sym3_inverse(d));
+}
+
+CLOTH_FN void cloth_assemble_row(int i, const cloth_assemble_row_args *a)
+{
+  const cloth_lines all = {0, 3};
+  cloth_assemble_rest(i, a, cloth_assemble_lines(i, a, all));
 }

@@ -36,11 +36,18 @@ CLOTH_FN cloth_real *cloth_block_at(const cloth_block_rows *r, int row, int slot
   return r->val + (int64_t)(r->first[g] + slot) * 9 * CLOTH_ROW_GROUP + row % CLOTH_ROW_GROUP;
 }
 
-CLOTH_FN void cloth_block_clear(const cloth_block_rows *r, int row)
+// Which of the three lines of each block of a row somebody works on: all of them, or, where a
+// thread of a GPU has one, that. `count` is a constant where this is inlined.
+typedef struct cloth_lines {
+  int first, count;
+} cloth_lines;
+
+CLOTH_FN void cloth_block_clear(const cloth_block_rows *r, int row, cloth_lines lines)
 {
   int g = row / CLOTH_ROW_GROUP, width = r->first[g + 1] - r->first[g];
-  cloth_real *v = cloth_block_at(r, row, 0);
-  for (int e = 0; e < 9 * width; e++) v[e * CLOTH_ROW_GROUP] = 0;
+  cloth_real *v = cloth_block_at(r, row, 0) + 3 * lines.first * CLOTH_ROW_GROUP;
+  for (int s = 0; s < width; s++)
+    for (int e = 0; e < 3 * lines.count; e++) v[(9 * s + e) * CLOTH_ROW_GROUP] = 0;
 }
 
 /// The slot of a row that couples it to vertex v, which one does.
@@ -53,31 +60,38 @@ CLOTH_FN int cloth_block_slot(const cloth_block_rows *r, int row, int v)
 
 // Whoever adds several blocks reads them all before he adds the first: for all that a compiler
 // knows they may lie among the rows, and what is read after a write waits for it.
-CLOTH_FN void cloth_block_add(const cloth_block_rows *r, int row, int slot, const cloth_real *m)
+// m [lines.count]: the lines of the block.
+CLOTH_FN void cloth_block_add(const cloth_block_rows *r, int row, int slot, cloth_lines lines,
+                              const cloth_v3 *m)
 {
-  cloth_real *v = cloth_block_at(r, row, slot), sum[9];
-  for (int e = 0; e < 9; e++) sum[e] = v[e * CLOTH_ROW_GROUP] + m[e];
-  for (int e = 0; e < 9; e++) v[e * CLOTH_ROW_GROUP] = sum[e];
+  cloth_real *v = cloth_block_at(r, row, slot) + 3 * lines.first * CLOTH_ROW_GROUP;
+  cloth_v3 sum[3];
+  for (int l = 0; l < lines.count; l++) {
+    const cloth_real *at = v + 3 * l * CLOTH_ROW_GROUP;
+    sum[l] = cloth_v3_add(cloth_v3_make(at[0], at[CLOTH_ROW_GROUP], at[2 * CLOTH_ROW_GROUP]), m[l]);
+  }
+  for (int l = 0; l < lines.count; l++) {
+    cloth_real *at = v + 3 * l * CLOTH_ROW_GROUP;
+    at[0] = sum[l].x, at[CLOTH_ROW_GROUP] = sum[l].y, at[2 * CLOTH_ROW_GROUP] = sum[l].z;
+  }
 }
 
-CLOTH_FN void cloth_block_add_sym(const cloth_block_rows *r, int row, int slot, cloth_sym3 m)
+CLOTH_FN void cloth_block_add_sym(const cloth_block_rows *r, int row, int slot, cloth_lines lines,
+                                  cloth_sym3 m)
 {
-  cloth_real full[9];
-  full[0] = m.xx, full[1] = m.xy, full[2] = m.zx;
-  full[3] = m.xy, full[4] = m.yy, full[5] = m.yz;
-  full[6] = m.zx, full[7] = m.yz, full[8] = m.zz;
-  cloth_block_add(r, row, slot, full);
+  cloth_v3 line[3];
+  for (int l = 0; l < lines.count; l++) line[l] = cloth_sym3_line(m, lines.first + l);
+  cloth_block_add(r, row, slot, lines, line);
 }
 
 // a b'
-CLOTH_FN void cloth_block_add_outer(const cloth_block_rows *r, int row, int slot, cloth_v3 a,
-                                    cloth_v3 b)
+CLOTH_FN void cloth_block_add_outer(const cloth_block_rows *r, int row, int slot, cloth_lines lines,
+                                    cloth_v3 a, cloth_v3 b)
 {
-  cloth_real full[9];
-  full[0] = a.x * b.x, full[1] = a.x * b.y, full[2] = a.x * b.z;
-  full[3] = a.y * b.x, full[4] = a.y * b.y, full[5] = a.y * b.z;
-  full[6] = a.z * b.x, full[7] = a.z * b.y, full[8] = a.z * b.z;
-  cloth_block_add(r, row, slot, full);
+  cloth_v3 line[3];
+  for (int l = 0; l < lines.count; l++)
+    line[l] = cloth_v3_scale(cloth_v3_component(a, lines.first + l), b);
+  cloth_block_add(r, row, slot, lines, line);
 }
 
 CLOTH_FN cloth_sym3 cloth_block_diagonal(const cloth_block_rows *r, int row)

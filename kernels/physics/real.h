@@ -122,6 +122,25 @@ CLOTH_FN cloth_sym3 cloth_sym3_axis(cloth_real a, cloth_real b, cloth_v3 n)
   return s;
 }
 
+// component d, line d: chosen, not indexed, so that they stay in registers
+CLOTH_FN cloth_real cloth_v3_component(cloth_v3 a, int d)
+{
+  return d == 0 ? a.x : d == 1 ? a.y : a.z;
+}
+
+CLOTH_FN cloth_v3 cloth_sym3_line(cloth_sym3 s, int d)
+{
+  return cloth_v3_make(d == 0   ? s.xx
+                       : d == 1 ? s.xy
+                                : s.zx,
+                       d == 0   ? s.xy
+                       : d == 1 ? s.yy
+                                : s.yz,
+                       d == 0   ? s.zx
+                       : d == 1 ? s.yz
+                                : s.zz);
+}
+
 CLOTH_FN cloth_sym3 cloth_sym3_scale(cloth_real s, cloth_sym3 a)
 {
   a.xx *= s, a.yy *= s, a.zz *= s;

@@ -165,7 +165,7 @@ CLOTH_FN cloth_row_contact cloth_row_contact_load(const cloth_assemble_row_args 
   return c;
 }
 
-enum { CLOTH_CONTACTS_AHEAD = 4 }; // loaded before the first of them is added
+enum { CLOTH_CONTACTS_AHEAD = 2 }; // loaded before the first of them is added
 
 // Contacts with bodies: their blocks couple vertices that the mesh couples too. At the pole of a
 // ball a row may have a hundred.

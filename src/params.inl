@@ -28,7 +28,7 @@ CLOTH_PARAM(int, step_halvings_max, 6, "1", 0, 20, "times a failed substep is ha
 CLOTH_PARAM(int, newton_iterations_max, 3, "1", 1, 100, "linear systems per substep; up to 4 more where the last still moves a vertex by 5 % of an edge")
 CLOTH_PARAM(double, newton_tolerance, 0.1, "1", 1e-12, 1, "stop when the largest correction is below this share of the contact thickness")
 CLOTH_PARAM(double, pcg_tolerance, 1e-2, "1", 1e-12, 1e-1, "stop the linear solver at this relative residual")
-CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations")
+CLOTH_PARAM(int, pcg_iterations_max, 500, "1", 1, 100000, "the linear solver gives up after this many iterations; up to 500 more where that leaves a vertex a quarter of the thickness from its place")
 CLOTH_PARAM(double, time_budget, 0, "ms", -1, 1e5, "wall time of a step, which steers tolerance and iterations within bounds (doc/budget.md); 0: none; real_time (-1): time_step")
 CLOTH_PARAM(double, accuracy, 0, "1", 0, 0.5, "error that the steps of a second may add, as share of the cloth's size: 1 %; chooses substeps and tolerance within bounds (doc/budget.md); 0: none")
 CLOTH_CHOICE(preconditioner, 1, "block_jacobi|two_level|multilevel", "3x3 block Jacobi (P-Cloth), with one coarse level of 96 pieces, with hat functions on ever coarser grids: fewest iterations, for large or mostly free cloth")

@@ -11,10 +11,12 @@
 #include "contact/contact.h"
 #include "contact_product.h"
 #include "correct.h"
+#include "effect/effect.h"
 #include "pcg_alpha.h"
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_finish.h"
+#include "pcg_left.h"
 #include "pcg_part.h"
 #include "pcg_product.h"
 #include "pcg_residual.h"
@@ -28,6 +30,19 @@
 // In float and cloth of a million times its inertia, rounding may have the iteration break down, or
 // believe in a residual that is not the true one. Then more than this share is left of that.
 #define ASTRAY 0.1
+
+// Where cloth may touch, no solve leaves a vertex farther from its place than this share of the
+// thickness: two that meet then have half of the room between them. Otherwise contacts close that
+// are none, raise the residual that the next tolerance is relative to, and so on. Goes on to half
+// of that, for at most so many iterations more.
+#define LEFT     0.25
+#define LEFT_AIM 0.5
+enum { LEFT_ITERATIONS = 500 };
+
+static bool touches(const cloth_sim *sim)
+{
+  return sim->active[CLOTH_EFFECT_self_contact] || sim->active[CLOTH_EFFECT_body_contact];
+}
 
 static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
 {
@@ -108,8 +123,8 @@ static cloth_pcg_beta_args beta_args(const cloth_sim *sim, const cloth_part *p, 
   cloth_pcg_beta_args a = {.chunks = sim->chunks,
                            .more = sim->hat_groups,
                            .start = start,
-                           .tolerance = (cloth_real)sim->params.pcg_tolerance,
-                           .first = sim->iteration == sim->iteration_first,
+                           .tolerance = (cloth_real)sim->asked.tolerance,
+                           .first = sim->asked.first,
                            .partial = p->partial,
                            .aggregates = sim->aggregates,
                            .rest = p->coarse_rest,
@@ -274,7 +289,7 @@ static cloth_status read_scalars(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCA
 // nothing.
 static cloth_status iterate_all(cloth_sim *sim, cloth_error *err)
 {
-  int most = sim->params.pcg_iterations_max, batch = sim->backend->run_ahead;
+  int most = sim->asked.iterations_max, batch = sim->backend->run_ahead;
   CLOTH_TRY(start(sim, err));
   for (int k = 0; k < most;) {
     cloth_real scalar[CLOTH_PCG_SCALARS];
@@ -300,7 +315,7 @@ static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p
                             .beta = beta_args(sim, p, 1),
                             .more_partial = p->partial + CLOTH_PCG_PARTIALS * sums,
                             .terms = cloth_pcg_terms_at(p->terms, sim->chunks),
-                            .iterations_max = sim->params.pcg_iterations_max,
+                            .iterations_max = sim->asked.iterations_max,
                             .product_ns = sim->params.profile > 0 ? p->product_ns : NULL,
                             .correct = correct_args(sim, p)};
   return a;
@@ -366,11 +381,10 @@ static cloth_status read_product_time(cloth_sim *sim, cloth_error *err)
   return sim->backend->fill(p->device, p->product_ns, 0, sizeof ns, err);
 }
 
-cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
+// by what sim->asked says, and x += dx
+static cloth_status solve(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], cloth_error *err)
 {
-  cloth_real scalar[CLOTH_PCG_SCALARS];
   bool finished = false;
-  CLOTH_TRY(coarsen(sim, err));
   if (sim->part_count == 1 && sim->backend->solve != NULL)
     CLOTH_TRY(solve_at_once(sim, &finished, err));
   else if (sim->joined)
@@ -383,20 +397,101 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
     CLOTH_TRY(correct(sim, err));
   }
   CLOTH_TRY(read_scalars(sim, scalar, err));
-
   if (scalar[CLOTH_PCG_LOST] > 0)
     CLOTH_FAIL(err, CLOTH_DEVICE_LOST, "a device did not answer the others within a solve");
+  int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
+  sim->report->pcg_iterations += iterations;
+  for (int i = 0; i < sim->part_count; i++) cloth_work_solve(sim, &sim->part[i], iterations);
+  return CLOTH_OK;
+}
+
+// The largest that pcg_left.h finds [m]; 0 where the sums that every solve ends with bound it by
+// `enough`: r' z is no less than any vertex's share of it, and no row is softer than its inertia.
+static cloth_status measure_left(cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS],
+                                 double enough, double *out, cloth_error *err)
+{
+  double softest = sim->mass_least / (sim->gamma * sim->gamma);
+  *out = 0;
+  if ((double)scalar[CLOTH_PCG_RZ] <= softest * enough * enough) return CLOTH_OK;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_pcg_left_args a = {vectors(sim, &sim->part[i])};
+    CLOTH_LAUNCH(sim, &sim->part[i], pcg_left, cloth_part_chunks(&sim->part[i]), &a, err);
+  }
+  CLOTH_TRY(exchange_partial(sim, err));
+  size_t n = CLOTH_PCG_PARTIALS * (size_t)sim->chunks;
+  CLOTH_TRY(cloth_staging(sim, n, err));
+  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].partial,
+                               sizeof(cloth_real) * n, err));
+  for (size_t c = 0; c < n; c += CLOTH_PCG_PARTIALS)
+    if ((double)sim->host[c] > *out) *out = (double)sim->host[c];
+  return CLOTH_OK;
+}
+
+// Solve for what is left, to `share` of it. It is measured against what the solve before was, so
+// that the next ones find that.
+static cloth_status solve_rest(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], double share,
+                               cloth_error *err)
+{
+  double rr = (double)scalar[CLOTH_PCG_RESIDUAL] / (double)scalar[CLOTH_PCG_BB];
+  double rz = (double)scalar[CLOTH_PCG_RZ] / (double)scalar[CLOTH_PCG_RZ_FIRST];
+  sim->asked.tolerance = share * sqrt(fmin(rr, rz));
+  sim->asked.first = false;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    size_t at = 3 * (size_t)p->v0, bytes = sizeof(cloth_real) * 3 * (size_t)(p->v1 - p->v0);
+    CLOTH_TRY(cloth_copy_local(sim, p, p->b + at, p->r + at, bytes, err));
+  }
+  return solve(sim, scalar, err);
+}
+
+static double relative_of(const cloth_real scalar[CLOTH_PCG_SCALARS])
+{
   double bb = (double)scalar[CLOTH_PCG_BB], rr = (double)scalar[CLOTH_PCG_RESIDUAL];
-  double relative = bb > 0 ? sqrt(rr / bb) : 0;
+  return bb > 0 ? sqrt(rr / bb) : 0;
+}
+
+// Has the iteration said that it was done, and was not?
+static bool is_astray(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])
+{
+  return scalar[CLOTH_PCG_DONE] > 0 &&
+         !(relative_of(scalar) <= fmax(ASTRAY, 10 * sim->params.pcg_tolerance));
+}
+
+// Goes on where a vertex is left farther from its place than what meets can bear.
+static cloth_status bring_to_place(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
+                                   double *correction, cloth_error *err)
+{
+  double enough = LEFT * sim->params.thickness, left;
+  if (!touches(sim)) return CLOTH_OK;
+  sim->asked.iterations_max = LEFT_ITERATIONS;
+  while (sim->asked.iterations_max > 0 && !is_astray(sim, scalar)) {
+    CLOTH_TRY(measure_left(sim, scalar, enough, &left, err));
+    if (!(left > enough)) break;
+    CLOTH_TRY(solve_rest(sim, scalar, LEFT_AIM * enough / left, err));
+    int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
+    *correction += (double)scalar[CLOTH_PCG_LARGEST];
+    sim->asked.iterations_max -= iterations > 0 ? iterations : LEFT_ITERATIONS;
+  }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
+{
+  cloth_real scalar[CLOTH_PCG_SCALARS];
+  sim->asked = (cloth_asked){.tolerance = sim->params.pcg_tolerance,
+                             .iterations_max = sim->params.pcg_iterations_max,
+                             .first = sim->iteration == sim->iteration_first};
+  CLOTH_TRY(coarsen(sim, err));
+  CLOTH_TRY(solve(sim, scalar, err));
+  *correction = (double)scalar[CLOTH_PCG_LARGEST];
+  bool done = scalar[CLOTH_PCG_DONE] > 0;
+  CLOTH_TRY(bring_to_place(sim, scalar, correction, err));
+
+  double relative = relative_of(scalar);
   cloth_step_report *report = sim->report;
   report->newton_iterations++;
-  int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
-  report->pcg_iterations += iterations;
-  for (int i = 0; i < sim->part_count; i++) cloth_work_solve(sim, &sim->part[i], iterations);
-  bool done = scalar[CLOTH_PCG_DONE] > 0;
-  sim->astray = done && !(relative <= fmax(ASTRAY, 10 * sim->params.pcg_tolerance));
+  sim->astray = is_astray(sim, scalar);
   report->pcg_unconverged += !done || sim->astray;
   if (!(relative <= report->pcg_residual)) report->pcg_residual = relative;
-  *correction = (double)scalar[CLOTH_PCG_LARGEST];
   return CLOTH_OK;
 }

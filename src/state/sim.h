@@ -93,6 +93,13 @@ typedef struct cloth_hold_state {
   int first; // in the held list
 } cloth_hold_state;
 
+/// What a linear solve is asked for.
+typedef struct cloth_asked {
+  double tolerance; // relative residual
+  int iterations_max;
+  bool first; // later ones are measured against this one
+} cloth_asked;
+
 struct cloth_sim {
   const cloth_def *def; // borrowed from the front
   cloth_params params;
@@ -129,6 +136,7 @@ struct cloth_sim {
   double *rest;               // [vertex_count x 3] m, scene frame at the start
   double *mass;               // [vertex_count] kg
   double mass_total;          // kg
+  double mass_least;          // kg, of a vertex
   double mean_edge;           // m
   cloth_bend_rest *bend_rest; // all bending elements, while bending is active
 
@@ -161,6 +169,7 @@ struct cloth_sim {
   cloth_bdf2 bdf2;
   int iteration;       // Newton iteration of this substep
   int iteration_first; // the one against whose right-hand side this one is measured
+  cloth_asked asked;   // of the linear solve that runs
   bool astray;         // the last linear solve thought that it was done, and was not; or ran away
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h

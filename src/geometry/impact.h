@@ -29,3 +29,10 @@ typedef struct cloth_impact_result {
 /// Do two features whose points move in straight lines from x[0..3] to x[4..7] [m] touch?
 cloth_impact_result cloth_impact_test(cloth_impact_kind kind, cloth_impact_precision precision,
                                       const double x[8][3]);
+
+/// The same for coordinates that are not exact: each may be off by two of its last digits (a
+/// fraction such as 1/3, read as a double). What is said to be apart is apart for every choice of
+/// them; what comes as near as that is an impact.
+cloth_impact_result cloth_impact_test_rounded(cloth_impact_kind kind,
+                                              cloth_impact_precision precision,
+                                              const double x[8][3]);

@@ -26,7 +26,7 @@ typedef struct ccd {
 } ccd;
 
 typedef struct tally {
-  int64_t queries, contacts, missed, extra, asked_again;
+  int64_t queries, contacts, missed, extra, asked_again, rounded;
   int64_t timed;   // contacts whose exact time is known
   double lateness; // largest, in shares of the step
   double seconds;  // in the search
@@ -68,8 +68,11 @@ static void search(ccd *c, cloth_impact_kind kind, int count, tally *t)
 {
   double before = tool_clock();
 #pragma omp parallel for schedule(dynamic, 64)
-  for (int i = 0; i < count; i++)
-    c->result[i] = cloth_impact_test(kind, c->precision, (const double(*)[3])c->query[i].x);
+  for (int i = 0; i < count; i++) {
+    const ccd_query *q = &c->query[i];
+    c->result[i] = (q->rounded ? cloth_impact_test_rounded
+                               : cloth_impact_test)(kind, c->precision, (const double(*)[3])q->x);
+  }
   t->seconds += tool_clock() - before;
 }
 
@@ -82,6 +85,7 @@ static void count_results(const ccd *c, int count, const double *hi, tally *t)
     t->missed += truth && !r->hit;
     t->extra += !truth && r->hit;
     t->asked_again += r->asked_again;
+    t->rounded += c->query[i].rounded;
     if (!hi || !isfinite(hi[t->queries]) || !r->hit) continue;
     t->timed++;
     t->lateness = fmax(t->lateness, r->toi - hi[t->queries]);
@@ -128,7 +132,7 @@ static void add(tally *sum, const tally *t)
 {
   sum->queries += t->queries, sum->contacts += t->contacts;
   sum->missed += t->missed, sum->extra += t->extra;
-  sum->asked_again += t->asked_again, sum->timed += t->timed;
+  sum->asked_again += t->asked_again, sum->timed += t->timed, sum->rounded += t->rounded;
   sum->lateness = fmax(sum->lateness, t->lateness);
   sum->seconds += t->seconds;
 }
@@ -142,6 +146,7 @@ static void print_tally(const ccd *c, const char *name, const tally *t)
   printf(" (%" PRId64 " with exact times", t->timed);
   if (c->precision == CLOTH_IMPACT_FLOAT)
     printf(", %" PRId64 " asked again in double", t->asked_again);
+  if (t->rounded) printf(", %" PRId64 " with coordinates that no double is", t->rounded);
   printf(")\n");
 }
 

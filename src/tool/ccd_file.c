@@ -1,5 +1,6 @@
 #include "ccd_file.h"
 
+#include "ccd_fraction.h"
 #include "scene/file.h"
 #include "scene/list.h"
 #include "scene/number.h"
@@ -48,28 +49,12 @@ static const char *skip_blanks(const char *at)
   return at;
 }
 
-// A whole number of any length, to the nearest double; NULL if there is none.
-static const char *read_whole(const char *at, double *out)
-{
-  const char *start = at;
-  bool negative = *at == '-';
-  uint64_t value = 0;
-  at += *at == '-' || *at == '+';
-  const char *digit = at;
-  for (; *at >= '0' && *at <= '9'; at++) value = 10 * value + (uint64_t)(*at - '0');
-  if (at == digit) return NULL;
-  *out = negative ? -(double)value : (double)value;
-  if (at - digit <= 19) return at; // below 2^64
-  const char *end = cloth_number_read(start, out);
-  return end == at ? at : NULL; // 1.5 and 1e3 are no whole numbers
-}
-
 // Seven columns of the present line; false at column *bad, counted from 1.
-static bool read_columns(const char *at, double column[7], int *bad)
+static bool read_columns(const char *at, ccd_whole column[7], int *bad)
 {
   for (int k = 0; k < 7; k++) {
     *bad = k + 1;
-    at = read_whole(skip_blanks(at), &column[k]);
+    at = ccd_whole_read(skip_blanks(at), &column[k]);
     if (!at) return false;
     at = skip_blanks(at);
     if (*at != (k < 6 ? ',' : '\0')) return false;
@@ -104,24 +89,36 @@ static cloth_status next_line(ccd_file *f, bool *there, cloth_error *err)
   return CLOTH_OK;
 }
 
+// "column K is 'TEXT'", the text cut short where it is long.
+static cloth_status bad_column(ccd_file *f, int column, cloth_error *err)
+{
+  const char *at = f->text;
+  for (int k = 1; k < column; k++) at = strchr(at, ',') + 1;
+  at = skip_blanks(at);
+  int length = (int)strcspn(at, ", \t\r\n"), shown = length < 40 ? length : 40;
+  LINE_FAIL(f, err, "column %d is '%.*s%s', no whole number of at most %d digits", column, shown,
+            at, shown < length ? "..." : "", CCD_DIGITS_MAX);
+}
+
 static cloth_status read_row(ccd_file *f, int row, ccd_query *q, cloth_error *err)
 {
-  double column[7];
+  ccd_whole column[7];
   int bad;
   if (!read_columns(f->text, column, &bad)) {
     int columns = count_columns(f->text);
     if (columns != 7)
       LINE_FAIL(f, err, "%d columns; there must be 7: xn,xd,yn,yd,zn,zd,truth", columns);
-    LINE_FAIL(f, err, "column %d is not a whole number", bad);
+    return bad_column(f, bad, err);
   }
+  if (row == 0) q->rounded = false;
   for (int k = 0; k < 3; k++) {
-    if (column[2 * k + 1] == 0) LINE_FAIL(f, err, "column %d: a denominator of 0", 2 * k + 2);
-    q->x[row][k] = column[2 * k] / column[2 * k + 1];
+    if (column[2 * k + 1].value == 0) LINE_FAIL(f, err, "column %d: a denominator of 0", 2 * k + 2);
+    if (!ccd_fraction(&column[2 * k], &column[2 * k + 1], &q->x[row][k])) q->rounded = true;
     if (!isfinite(q->x[row][k])) LINE_FAIL(f, err, "%c is too large for a double", "xyz"[k]);
   }
-  if (column[6] != 0 && column[6] != 1)
-    LINE_FAIL(f, err, "the truth %g is neither 0 nor 1", column[6]);
-  bool truth = column[6] != 0;
+  double given = column[6].value;
+  if (given != 0 && given != 1) LINE_FAIL(f, err, "the truth %g is neither 0 nor 1", given);
+  bool truth = given != 0;
   if (row > 0 && truth != q->truth)
     LINE_FAIL(f, err, "the truth %d differs from the one in row 1 of query %" PRId64, truth,
               f->queries + 1);

@@ -12,6 +12,7 @@
 typedef struct ccd_query {
   double x[8][3]; // m
   bool truth;     // they meet
+  bool rounded;   // some coordinate is no double, such as 1/3: x is within two of its last digits
 } ccd_query;
 
 /// A file that is being read.

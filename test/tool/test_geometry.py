@@ -218,6 +218,53 @@ def coordinates_that_float_cannot_hold_are_not_missed(tmp):
     check(figures(r)[2] == 0 and figures(r)[3] > 50, r.stdout)
 
 
+def fractions_that_no_double_is_are_not_missed(tmp):
+    # four points that touch at t = 2/3 with thirds and sevenths in every coordinate; then a vertex
+    # that passes 1e-7 above a face that does not move
+    dice = random.Random(4)
+
+    def point(n):
+        return [Fraction(dice.randint(-30, 30), n) for _ in range(3)]
+    for far in (0, 1000, 10**12):
+        text = ""
+        for _ in range(60):
+            face, speed = [point(7) for _ in range(3)], [point(21) for _ in range(4)]
+            a, b = sorted(Fraction(dice.randint(0, 3), 3) for _ in range(2))
+            vertex = [(1 - b) * x + (b - a) * y + a * z for x, y, z in zip(*face)]
+            for t in (Fraction(-2, 3), Fraction(1, 3)):
+                text += rows([[x + t * v + far for x, v in zip(p, w)] for p, w in zip([vertex] + face, speed)], 1)
+        count = 60
+        for k in range(20):
+            above = Fraction(1, 3) + Fraction(1 if k % 2 else -1, 10**7) + far
+            face = [(far, far, far + Fraction(1, 3)), (far + 7, far, far + Fraction(1, 3)), (far, far + 7, far + Fraction(1, 3))]
+            if far < 10**6:
+                text += rows([(far - 3 + k, far + 1, above)] + face + [(far + 2, far + Fraction(k, 7), above)] + face, 0)
+                count += 1
+        write(tmp, "q.csv", text)
+        for precision in ("float", "double"):
+            r = cloth("ccd", "q.csv", "--type=vf", "--precision", precision, cwd=tmp)
+            check(r.returncode == 0 and figures(r) == [count, 60, 0, 0, 0], far, r.stdout, r.stderr)
+
+
+def coordinates_of_any_length_are_read_for_what_they_are(tmp):
+    # the least denormal (its denominator has 324 digits), and a fraction that 400 digits of both hide
+    least = Fraction(5e-324)
+    r = None
+    for unit, long in ((least, 1), (least * 3, 1), (Fraction(1), 10**400), (Fraction(2**60 + 1), 1), (Fraction(1, 3**80), 1)):
+        text = ""
+        for p, truth in ((FALL, 1), (PASS, 0)):
+            for q in p:
+                for x in q:
+                    f = Fraction(x) * 4 * unit
+                    text += "%d,%d," % (f.numerator * long, f.denominator * long)
+                text += "%d\n" % truth
+        write(tmp, "q.csv", text)
+        for precision in ("float", "double"):
+            r = cloth("ccd", "q.csv", "--type=vf", "--precision", precision, cwd=tmp)
+            check(r.returncode == 0 and figures(r) == [2, 1, 0, 0, 0], unit, r.stdout, r.stderr)
+    check("2 with coordinates that no double is" in r.stdout, r.stdout)
+
+
 def lateness_is_measured_against_the_bracket(tmp):
     write(tmp, "data_3_1.csv", rows(FALL, 1) + rows(PASS, 0) + rows(FALL, 1))
     write(tmp, "toi_3_1.json", '[[0.49, 0.5], null,\n "coplanar"]')
@@ -243,8 +290,9 @@ def broken_query_files_are_refused_with_their_line(tmp):
     refused(tmp, file("q.csv", good)[:2] + ["--type", "xx"], "xx")
     refused(tmp, file("six.csv", "\n".join(lines[:2] + ["1,1,1,1,1,1"] + lines[3:])), "six.csv:3", "6 columns")
     refused(tmp, file("eight.csv", good.replace("\n", ",5\n", 1)), "eight.csv:1", "8 columns")
-    refused(tmp, file("word.csv", good.replace("1,4", "1,x", 1)), "word.csv:1", "column 2")
-    refused(tmp, file("real.csv", good.replace("1,4", "1.5,4", 1)), "real.csv:1", "column 1")
+    refused(tmp, file("word.csv", good.replace("1,4", "1,x", 1)), "word.csv:1", "column 2", "'x'")
+    refused(tmp, file("real.csv", good.replace("1,4", "1.5,4", 1)), "real.csv:1", "column 1", "1.5")
+    refused(tmp, file("long.csv", good.replace("1,4", "1" * 1001 + ",4", 1)), "long.csv:1", "column 1", "1000 digits")
     refused(tmp, file("zero.csv", good.replace("1,4", "1,0", 1)), "zero.csv:1", "denominator")
     refused(tmp, file("cut.csv", "\n".join(lines[:5])), "cut.csv:5", "row 5 of query 1")
     refused(tmp, file("truth.csv", "\n".join(lines[:7] + [lines[7][:-1] + "0"])), "truth.csv:8", "truth")
@@ -365,6 +413,8 @@ if __name__ == "__main__":
         bad_meshes_are_refused,
         queries_are_counted_per_file_and_in_total,
         coordinates_that_float_cannot_hold_are_not_missed,
+        fractions_that_no_double_is_are_not_missed,
+        coordinates_of_any_length_are_read_for_what_they_are,
         lateness_is_measured_against_the_bracket,
         broken_query_files_are_refused_with_their_line,
         shared_queries_are_neither_missed_nor_late,

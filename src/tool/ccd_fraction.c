@@ -68,7 +68,7 @@ static double leading(const cloth_exact *a, int bits)
 static bool is_quotient(double q, const cloth_exact *n, const cloth_exact *d)
 {
   if (!(q > 0 && q < INFINITY)) return false;
-  int low = cloth_exact_low(q) < 0 ? cloth_exact_low(q) : 0;
+  int low = cloth_exact_low(q) < cloth_exact_low(1) ? cloth_exact_low(q) : cloth_exact_low(1);
   cloth_exact whole, power, left, right, difference;
   cloth_exact_set(q, low, &whole);
   cloth_exact_set(1, low, &power);

@@ -263,6 +263,14 @@ def coordinates_of_any_length_are_read_for_what_they_are(tmp):
             r = cloth("ccd", "q.csv", "--type=vf", "--precision", precision, cwd=tmp)
             check(r.returncode == 0 and figures(r) == [2, 1, 0, 0, 0], unit, r.stdout, r.stderr)
     check("2 with coordinates that no double is" in r.stdout, r.stdout)
+    # what is exact stays so: a vertex that slides 1e-25 above the face
+    text = ""
+    for p in [(-1, 1, 1e-25)] + FALL[1:4] + [(3, 1, 1e-25)] + FALL[1:4]:
+        text += "".join("%d,%d," % (Fraction(x).numerator * 3**40, Fraction(x).denominator * 3**40) for x in p) + "0\n"
+    write(tmp, "q.csv", text)
+    for precision in ("float", "double"):
+        r = cloth("ccd", "q.csv", "--type=vf", "--precision", precision, cwd=tmp)
+        check(figures(r) == [1, 0, 0, 0, 0] and "no double" not in r.stdout, r.stdout, r.stderr)
 
 
 def lateness_is_measured_against_the_bracket(tmp):

@@ -188,7 +188,7 @@ static cloth_status arrive(cloth_sim *sim, cloth_error *err)
       sim->report->grasps++;
       continue;
     }
-    h->alive = false, broken = true;
+    cloth_hold_end(sim, h), broken = true;
     if (h->pin >= 0) sim->pin_broken[h->pin] = 1;
     sim->report->grasps_broken++;
   }

@@ -323,11 +323,18 @@ cloth_status cloth_sim_grasp_move(void *sim, cloth_grasp_id id, const cloth_pose
   return CLOTH_OK;
 }
 
+void cloth_hold_end(cloth_sim *sim, cloth_hold_state *h)
+{
+  h->alive = false;
+  if (h->ignore != NULL && memchr(h->ignore, 1, (size_t)sim->def->body_count))
+    cloth_body_settle(sim);
+}
+
 cloth_status cloth_sim_grasp_release(void *data, cloth_grasp_id id, cloth_error *err)
 {
   cloth_hold_state *h = find(data, id);
   if (h == NULL) CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "this grasp does not hold any more");
-  h->alive = false;
+  cloth_hold_end(data, h);
   return cloth_holds_refresh(data, err);
 }
 
@@ -398,7 +405,7 @@ cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err)
       h = hold_of_pin(sim, i);
     }
     if (!wanted && h != NULL) {
-      h->alive = false;
+      cloth_hold_end(sim, h);
       CLOTH_TRY(cloth_holds_refresh(sim, err));
       continue;
     }

@@ -338,6 +338,9 @@ void cloth_pose_point(const cloth_pose *pose, const double p[3], double out[3]);
 void cloth_pose_matrix(const cloth_pose *pose, cloth_real out[12]);
 cloth_status cloth_pins_update(cloth_sim *sim, double time, cloth_error *err);
 cloth_status cloth_holds_refresh(cloth_sim *sim, cloth_error *err); // after any hold came or went
+// It holds no more; refresh then. Fingers that held cloth was allowed to reach into are bodies like
+// others again, and it is worked out of them: else it would hang on an open gripper for ever.
+void cloth_hold_end(cloth_sim *sim, cloth_hold_state *hold);
 cloth_status cloth_holds_take(cloth_sim *sim, cloth_part *part, cloth_error *err); // of a new part
 cloth_status cloth_holds_aim(cloth_sim *sim, double share, cloth_error *err);
 cloth_status cloth_holds_measure(cloth_sim *sim, cloth_error *err); // wrenches from the residual

@@ -202,6 +202,43 @@ static int gripped(const char *precision)
 }
 BOTH(a_finger_that_its_grasp_ignores_is_not_told, gripped)
 
+// The end of a grasp must not leave cloth hanging on a finger that it was let into.
+static int let_go(const char *precision)
+{
+  cloth_error err = {0};
+  cloth_scene *scene = over_table(precision, NULL, NULL);
+  int finger = 0;
+  cloth_grasp_id hold;
+  cloth_grasp_view g = {.cloth = 0,
+                        .count = 2,
+                        .vertex = corners,
+                        .body = -1,
+                        .frame = pose_at(0, 0, 0),
+                        .ignore_count = 1,
+                        .ignore_body = &finger};
+  must(cloth_grasp(scene, &g, &hold, &err), &err);
+  for (int n = 1; n <= 25; n++) { // and 6 mm deep it is let go
+    move_hold(scene, hold, 0, drop(n, 0.041));
+    scene_step(scene, 1);
+  }
+  double body[3 * 8];
+  for (int i = 0; i < 24; i++) body[i] = table.x[i] + table_pose.position[i % 3];
+  cloth_mesh_view board = solid_view(&table), towel;
+  board.position = body;
+  scene_positions(scene, 0, x);
+  towel = placed(&one, x);
+  CHECK(exact_pairs(&towel, &board) > 0); // else the rest would prove nothing
+  must(cloth_grasp_release(scene, hold, &err), &err);
+  cloth_step_report r = scene_step(scene, 60);
+  scene_positions(scene, 0, x);
+  towel = placed(&one, x);
+  CHECK(exact_pairs(&towel, &board) == 0 && r.tangles == 0);
+  CHECK(r.speed_max < 1 && r.stretch_max < 0.05);
+  cloth_scene_free(scene);
+  return 0;
+}
+BOTH(what_was_held_inside_a_finger_comes_free_of_it, let_go)
+
 // ---- the same bits ------------------------------------------------------------------------------
 
 static int same_bits(const char *precision)
@@ -234,6 +271,7 @@ int main(int argc, char **argv)
   RUN(held_cloth_driven_through_held_cloth_names_both_holds);
   RUN(a_hold_that_lays_cloth_down_close_to_a_floor_is_not_told);
   RUN(a_finger_that_its_grasp_ignores_is_not_told);
+  RUN(what_was_held_inside_a_finger_comes_free_of_it);
   RUN(what_is_told_is_the_same_for_threads_parts_and_order);
   return failures > 0;
 }

@@ -3,6 +3,7 @@
 #include "nearest.h"
 #include "scene/scene_file.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,12 +30,14 @@ static int *slot_of(cloth_value variables, const char *name)
   return NULL;
 }
 
-static const char *nearest_key(cloth_value mapping, const char *name)
+// what may have been meant, for the end of a message
+static const char *hint(cloth_value mapping, const char *name, char out[96])
 {
   const char *best = NULL;
   int n = mapping.node ? cloth_yaml_count(mapping) : 0;
   for (int i = 0; i < n; i++) cloth_nearest(name, cloth_yaml_pair(mapping, i).key, &best);
-  return best ? best : "none: the file has no such key";
+  snprintf(out, 96, best ? "the nearest is '%.60s'" : "the file has none", best);
+  return out;
 }
 
 static cloth_status check_values(cloth_value variables, cloth_error *err)
@@ -51,13 +54,13 @@ static cloth_status check_values(cloth_value variables, cloth_error *err)
 // the values that a variant gives become those of the variables
 static cloth_status apply_variant(cloth_value variant, cloth_value variables, cloth_error *err)
 {
+  char text[96];
   CLOTH_TRY(check_values(variant, err));
   for (int i = 0; i < cloth_yaml_count(variant); i++) {
     cloth_value value = cloth_yaml_pair(variant, i);
     int *slot = slot_of(variables, value.key);
     if (slot == NULL)
-      CLOTH_YAML_FAIL(err, value, "no such variable; the nearest is '%s'",
-                      nearest_key(variables, value.key));
+      CLOTH_YAML_FAIL(err, value, "no such variable; %s", hint(variables, value.key, text));
     *slot = node_index(variant.file, value.node);
   }
   return CLOTH_OK;
@@ -67,12 +70,12 @@ static cloth_status apply_variant(cloth_value variant, cloth_value variables, cl
 static cloth_status apply_value(char *word, cloth_value root, cloth_value variables,
                                 cloth_error *err)
 {
-  char *value = strchr(word, '=');
+  char *value = strchr(word, '='), text[96];
   *value++ = '\0';
   int *slot = slot_of(variables, word);
   if (slot == NULL)
-    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s: no variable '%s'; the nearest is '%s'", root.file->path,
-               word, nearest_key(variables, word));
+    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s: no variable '%s'; %s", root.file->path, word,
+               hint(variables, word, text));
   int node = yaml_document_add_scalar(&root.file->document, NULL, (yaml_char_t *)value, -1,
                                       YAML_PLAIN_SCALAR_STYLE);
   if (node == 0) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for variable '%s'", word);
@@ -83,12 +86,13 @@ static cloth_status apply_value(char *word, cloth_value root, cloth_value variab
 static cloth_status apply_word(char *word, cloth_value root, cloth_error *err)
 {
   cloth_value variables = {.node = NULL}, variants = {.node = NULL}, variant;
+  char text[96];
   if (!cloth_yaml_find(root, "variables", &variables)) variables.node = NULL;
   if (!cloth_yaml_find(root, "variants", &variants)) variants.node = NULL;
   if (strchr(word, '=')) return apply_value(word, root, variables, err);
   if (variants.node == NULL || !cloth_yaml_find(variants, word, &variant))
-    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s: no variant '%s'; the nearest is '%s'", root.file->path,
-               word, nearest_key(variants, word));
+    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s: no variant '%s'; %s", root.file->path, word,
+               hint(variants, word, text));
   return apply_variant(variant, variables, err);
 }
 
@@ -102,9 +106,9 @@ static cloth_status resolve(cloth_value root, cloth_value variables, int *index,
   const char *name = (const char *)node->data.scalar.value + 1;
   const int *slot = slot_of(variables, name);
   cloth_value at = {root.file, node, NULL};
+  char text[96];
   if (slot == NULL)
-    CLOTH_YAML_FAIL(err, at, "'$%s': no such variable; the nearest is '%s'", name,
-                    nearest_key(variables, name));
+    CLOTH_YAML_FAIL(err, at, "'$%s': no such variable; %s", name, hint(variables, name, text));
   *index = *slot;
   return CLOTH_OK;
 }

@@ -171,11 +171,11 @@ cloth_status tool_number(const tool_arguments *args, const char *option, const c
   char *end;
   double value = strtod(text, &end);
   if (end == text || *end != '\0')
-    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--%s '%s' is not a number in [%g, %g] %s", option, text,
-               least, most, unit);
+    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--%s '%s' is not a number [%s] in [%g, %g]", option, text,
+               unit, least, most);
   if (!(value >= least && value <= most)) // NaN too
-    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--%s %s %s is out of range [%g, %g] %s", option, text,
-               unit, least, most, unit);
+    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "--%s %s [%s] is not in [%g, %g]", option, text, unit,
+               least, most);
   *out = value;
   return CLOTH_OK;
 }

@@ -66,7 +66,7 @@ static const row rows[] = {
     {"variables: 3\n", 1, "variables", "expected keys with values, found '3'"},
     {"variables: {a: $b, b: 1}\n", 1, "a", "a variable's value cannot be another variable"},
     {"variables: {time: 1}\nduration: $tmie\n", 2, NULL, "'$tmie': no such variable; the nearest is 'time'"},
-    {"duration: $time\n", 1, NULL, "'$time': no such variable; the nearest is 'none: the file has no such key'"},
+    {"duration: $time\n", 1, NULL, "'$time': no such variable; the file has none"},
     {"variables: {time: soon}\nduration: $time\n", 1, "duration", "'soon' is not a number"},
     {"variables: {t: 1}\nvariants: {a: 3}\nduration: $t\ncloths: 1\n", 4, "cloths", "expected a list"},
     {"variants: []\n", 1, "variants", "expected keys with values, found a list of 0"},

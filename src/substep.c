@@ -107,12 +107,7 @@ static cloth_status measure_shift(cloth_sim *sim, double *out, cloth_error *err)
   cloth_part *p = &sim->part[0]; // every part has the same
   cloth_shift_chunk_args a = {sim->vertex_count, p->zone.x_solved, p->x, p->largest};
   CLOTH_LAUNCH(sim, p, shift_chunk, sim->chunks, &a, err);
-  CLOTH_TRY(cloth_staging(sim, (size_t)sim->chunks, err));
-  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->largest,
-                               sizeof(cloth_real) * (size_t)sim->chunks, err));
-  for (int c = 0; c < sim->chunks; c++)
-    if (!((double)sim->host[c] <= *out)) *out = (double)sim->host[c];
-  return CLOTH_OK;
+  return cloth_read_largest(sim, p, p->largest, sim->chunks, out, err);
 }
 
 // Has the solution left all that the cloth spans and sweeps? Then looking for impacts costs much

@@ -7,7 +7,8 @@
 #include "pcg.h"
 
 typedef struct cloth_pcg_left_args {
-  cloth_pcg_vectors v; // r: the true residual; partial: field 0 written, m, NaN if any is
+  cloth_pcg_vectors v; // r: the true residual
+  cloth_real *largest; // [chunks] m, of own chunks, written; NaN if any is
 } cloth_pcg_left_args;
 
 CLOTH_FN void cloth_pcg_left(int i, const cloth_pcg_left_args *a)
@@ -17,5 +18,5 @@ CLOTH_FN void cloth_pcg_left(int i, const cloth_pcg_left_args *a)
   int begin = v->first + i * CLOTH_CHUNK, end = cloth_chunk_end(v->first, v->count, i);
   for (int k = begin; k < end; k++)
     largest = cloth_larger(largest, cloth_v3_length(cloth_pcg_z(k, v, cloth_v3_load(v->r, k))));
-  v->partial[CLOTH_PCG_PARTIALS * (begin / CLOTH_CHUNK)] = largest;
+  a->largest[begin / CLOTH_CHUNK] = largest;
 }

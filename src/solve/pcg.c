@@ -11,18 +11,17 @@
 #include "contact/contact.h"
 #include "contact_product.h"
 #include "correct.h"
-#include "effect/effect.h"
 #include "pcg_alpha.h"
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_finish.h"
-#include "pcg_left.h"
 #include "pcg_part.h"
 #include "pcg_product.h"
 #include "pcg_residual.h"
 #include "pcg_start.h"
 #include "pcg_update.h"
 #include "solve/hats.h"
+#include "solve/solve.h"
 #include "state/recut.h"
 
 #include <math.h>
@@ -31,20 +30,7 @@
 // believe in a residual that is not the true one. Then more than this share is left of that.
 #define ASTRAY 0.1
 
-// Where cloth may touch, no solve leaves a vertex farther from its place than this share of the
-// thickness: two that meet then have half of the room between them. Otherwise contacts close that
-// are none, raise the residual that the next tolerance is relative to, and so on. Goes on to half
-// of that, for at most so many iterations more.
-#define LEFT     0.25
-#define LEFT_AIM 0.5
-enum { LEFT_ITERATIONS = 500 };
-
-static bool touches(const cloth_sim *sim)
-{
-  return sim->active[CLOTH_EFFECT_self_contact] || sim->active[CLOTH_EFFECT_body_contact];
-}
-
-static cloth_pcg_vectors vectors(const cloth_sim *sim, const cloth_part *p)
+cloth_pcg_vectors cloth_solve_vectors(const cloth_sim *sim, const cloth_part *p)
 {
   cloth_pcg_vectors v = {.first = p->v0,
                          .count = p->v1 - p->v0,
@@ -215,7 +201,7 @@ static cloth_status direction(cloth_sim *sim, cloth_error *err)
 {
   if (sim->hat_groups > 0) CLOTH_TRY(cloth_hats_spread(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
-    cloth_pcg_direction_args a = {vectors(sim, &sim->part[i])};
+    cloth_pcg_direction_args a = {cloth_solve_vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_direction, cloth_part_chunks(&sim->part[i]), &a, err);
   }
   return cloth_exchange(sim, offsetof(cloth_part, p), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real),
@@ -225,7 +211,7 @@ static cloth_status direction(cloth_sim *sim, cloth_error *err)
 static cloth_status start(cloth_sim *sim, cloth_error *err)
 {
   for (int i = 0; i < sim->part_count; i++) {
-    cloth_pcg_start_args a = {vectors(sim, &sim->part[i])};
+    cloth_pcg_start_args a = {cloth_solve_vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_start, cloth_part_chunks(&sim->part[i]), &a, err);
   }
   CLOTH_TRY(beta(sim, 1, err));
@@ -240,7 +226,7 @@ static cloth_status iterate(cloth_sim *sim, cloth_error *err)
     cloth_part *p = &sim->part[i];
     cloth_pcg_alpha_args a = {sim->chunks, p->partial, p->scalar};
     CLOTH_LAUNCH(sim, p, pcg_alpha, 1, &a, err);
-    cloth_pcg_update_args u = {vectors(sim, p)};
+    cloth_pcg_update_args u = {cloth_solve_vectors(sim, p)};
     CLOTH_LAUNCH(sim, p, pcg_update, cloth_part_chunks(p), &u, err);
   }
   CLOTH_TRY(beta(sim, 0, err));
@@ -254,7 +240,7 @@ static cloth_status residual(cloth_sim *sim, cloth_error *err)
       cloth_exchange(sim, offsetof(cloth_part, dx), CLOTH_PER_VERTEX, 3 * sizeof(cloth_real), err));
   CLOTH_TRY(product(sim, true, err));
   for (int i = 0; i < sim->part_count; i++) {
-    cloth_pcg_residual_args a = {vectors(sim, &sim->part[i])};
+    cloth_pcg_residual_args a = {cloth_solve_vectors(sim, &sim->part[i])};
     CLOTH_LAUNCH(sim, &sim->part[i], pcg_residual, cloth_part_chunks(&sim->part[i]), &a, err);
   }
   return exchange_partial(sim, err);
@@ -304,7 +290,7 @@ static cloth_pcg_solve_args solve_args(const cloth_sim *sim, const cloth_part *p
 {
   const cloth_real *done = done_flag(p);
   size_t sums = (size_t)(sim->chunks + sim->hat_groups);
-  cloth_pcg_solve_args a = {.v = vectors(sim, p),
+  cloth_pcg_solve_args a = {.v = cloth_solve_vectors(sim, p),
                             .contact = contact_args(sim, p, p->p),
                             .contacts = p->contact_count,
                             .factored = cloth_contact_factored(p),
@@ -381,8 +367,7 @@ static cloth_status read_product_time(cloth_sim *sim, cloth_error *err)
   return sim->backend->fill(p->device, p->product_ns, 0, sizeof ns, err);
 }
 
-// by what sim->asked says, and x += dx
-static cloth_status solve(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], cloth_error *err)
+cloth_status cloth_solve(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], cloth_error *err)
 {
   bool finished = false;
   if (sim->part_count == 1 && sim->backend->solve != NULL)
@@ -405,74 +390,16 @@ static cloth_status solve(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], 
   return CLOTH_OK;
 }
 
-// The largest that pcg_left.h finds [m]; 0 where the sums that every solve ends with bound it by
-// `enough`: r' z is no less than any vertex's share of it, and no row is softer than its inertia.
-static cloth_status measure_left(cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS],
-                                 double enough, double *out, cloth_error *err)
-{
-  double softest = sim->mass_least / (sim->gamma * sim->gamma);
-  *out = 0;
-  if ((double)scalar[CLOTH_PCG_RZ] <= softest * enough * enough) return CLOTH_OK;
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_pcg_left_args a = {vectors(sim, &sim->part[i])};
-    CLOTH_LAUNCH(sim, &sim->part[i], pcg_left, cloth_part_chunks(&sim->part[i]), &a, err);
-  }
-  CLOTH_TRY(exchange_partial(sim, err));
-  size_t n = CLOTH_PCG_PARTIALS * (size_t)sim->chunks;
-  CLOTH_TRY(cloth_staging(sim, n, err));
-  CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].partial,
-                               sizeof(cloth_real) * n, err));
-  for (size_t c = 0; c < n; c += CLOTH_PCG_PARTIALS)
-    if ((double)sim->host[c] > *out) *out = (double)sim->host[c];
-  return CLOTH_OK;
-}
-
-// Solve for what is left, to `share` of it. It is measured against what the solve before was, so
-// that the next ones find that.
-static cloth_status solve_rest(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], double share,
-                               cloth_error *err)
-{
-  double rr = (double)scalar[CLOTH_PCG_RESIDUAL] / (double)scalar[CLOTH_PCG_BB];
-  double rz = (double)scalar[CLOTH_PCG_RZ] / (double)scalar[CLOTH_PCG_RZ_FIRST];
-  sim->asked.tolerance = share * sqrt(fmin(rr, rz));
-  sim->asked.first = false;
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    size_t at = 3 * (size_t)p->v0, bytes = sizeof(cloth_real) * 3 * (size_t)(p->v1 - p->v0);
-    CLOTH_TRY(cloth_copy_local(sim, p, p->b + at, p->r + at, bytes, err));
-  }
-  return solve(sim, scalar, err);
-}
-
 static double relative_of(const cloth_real scalar[CLOTH_PCG_SCALARS])
 {
   double bb = (double)scalar[CLOTH_PCG_BB], rr = (double)scalar[CLOTH_PCG_RESIDUAL];
   return bb > 0 ? sqrt(rr / bb) : 0;
 }
 
-// Has the iteration said that it was done, and was not?
-static bool is_astray(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])
+bool cloth_solve_astray(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])
 {
   return scalar[CLOTH_PCG_DONE] > 0 &&
          !(relative_of(scalar) <= fmax(ASTRAY, 10 * sim->params.pcg_tolerance));
-}
-
-// Goes on where a vertex is left farther from its place than what meets can bear.
-static cloth_status bring_to_place(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
-                                   double *correction, cloth_error *err)
-{
-  double enough = LEFT * sim->params.thickness, left;
-  if (!touches(sim)) return CLOTH_OK;
-  sim->asked.iterations_max = LEFT_ITERATIONS;
-  while (sim->asked.iterations_max > 0 && !is_astray(sim, scalar)) {
-    CLOTH_TRY(measure_left(sim, scalar, enough, &left, err));
-    if (!(left > enough)) break;
-    CLOTH_TRY(solve_rest(sim, scalar, LEFT_AIM * enough / left, err));
-    int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
-    *correction += (double)scalar[CLOTH_PCG_LARGEST];
-    sim->asked.iterations_max -= iterations > 0 ? iterations : LEFT_ITERATIONS;
-  }
-  return CLOTH_OK;
 }
 
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
@@ -482,15 +409,15 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
                              .iterations_max = sim->params.pcg_iterations_max,
                              .first = sim->iteration == sim->iteration_first};
   CLOTH_TRY(coarsen(sim, err));
-  CLOTH_TRY(solve(sim, scalar, err));
+  CLOTH_TRY(cloth_solve(sim, scalar, err));
   *correction = (double)scalar[CLOTH_PCG_LARGEST];
   bool done = scalar[CLOTH_PCG_DONE] > 0;
-  CLOTH_TRY(bring_to_place(sim, scalar, correction, err));
+  CLOTH_TRY(cloth_solve_left(sim, scalar, correction, err));
 
   double relative = relative_of(scalar);
   cloth_step_report *report = sim->report;
   report->newton_iterations++;
-  sim->astray = is_astray(sim, scalar);
+  sim->astray = cloth_solve_astray(sim, scalar);
   report->pcg_unconverged += !done || sim->astray;
   if (!(relative <= report->pcg_residual)) report->pcg_residual = relative;
   return CLOTH_OK;

@@ -1,6 +1,7 @@
 // Device memory by name and owner, so that "what is not wanted allocates no byte" can be counted.
 #include "state/sim.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -181,6 +182,16 @@ static cloth_status queue_timed(cloth_sim *sim, cloth_part *part, cloth_kernel k
     CLOTH_TRY(be->elapsed(part->launch_begin, part->launch_end, &ms, err));
     *sum += ms;
   }
+  return CLOTH_OK;
+}
+
+cloth_status cloth_read_largest(cloth_sim *sim, cloth_part *part, const cloth_real *from, int n,
+                                double *out, cloth_error *err)
+{
+  CLOTH_TRY(cloth_staging(sim, (size_t)n, err));
+  CLOTH_TRY(sim->backend->read(part->device, sim->host, from, sizeof(cloth_real) * (size_t)n, err));
+  for (int i = 0; i < n && !isnan(*out); i++)
+    if (!((double)sim->host[i] <= *out)) *out = (double)sim->host[i];
   return CLOTH_OK;
 }
 

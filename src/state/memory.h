@@ -38,6 +38,10 @@ cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int 
 cloth_status cloth_launch_spring_block(cloth_sim *sim, cloth_part *part,
                                        const cloth_spring_block_args *block, cloth_error *err);
 
+/// *out becomes the largest of n numbers of a part where that is more; NaN if any is.
+cloth_status cloth_read_largest(cloth_sim *sim, cloth_part *part, const cloth_real *from, int n,
+                                double *out, cloth_error *err);
+
 /// Host staging of at least this many cloth_real.
 cloth_status cloth_staging(cloth_sim *sim, size_t reals, cloth_error *err);
 

@@ -1,0 +1,83 @@
+// What a linear solve leaves, judged as a length (pcg_left.h), and solved for where it is too long.
+#include "effect/effect.h"
+#include "pcg_left.h"
+#include "solve/solve.h"
+
+#include <math.h>
+
+// Where cloth may touch, no solve leaves a vertex farther from its place than this share of the
+// thickness: two that meet then have half of the room between them. Otherwise contacts close that
+// are none, raise the residual that the next tolerance is relative to, and so on. Goes on to half
+// of that, for at most so many iterations more.
+#define LEFT     0.25
+#define LEFT_AIM 0.5
+enum { LEFT_ITERATIONS = 500 };
+
+static bool touches(const cloth_sim *sim)
+{
+  return sim->active[CLOTH_EFFECT_self_contact] || sim->active[CLOTH_EFFECT_body_contact];
+}
+
+// The largest that pcg_left.h finds [m]; 0 where the sums that every solve ends with bound it by
+// `enough`: r' z is no less than any vertex's share of it, and no row is softer than its inertia.
+static cloth_status measure_left(cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS],
+                                 double enough, double *out, cloth_error *err)
+{
+  double softest = sim->mass_least / (sim->gamma * sim->gamma);
+  *out = 0;
+  if ((double)scalar[CLOTH_PCG_RZ] <= softest * enough * enough) return CLOTH_OK;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    cloth_pcg_left_args a = {cloth_solve_vectors(sim, p), p->largest};
+    CLOTH_LAUNCH(sim, p, pcg_left, cloth_part_chunks(p), &a, err);
+  }
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    CLOTH_TRY(cloth_read_largest(sim, p, p->largest + p->v0 / CLOTH_CHUNK, cloth_part_chunks(p),
+                                 out, err));
+  }
+  return CLOTH_OK;
+}
+
+// Solve for what is left, to `share` of it. It is measured against what the solve before was, so
+// that the next ones find that.
+static cloth_status solve_rest(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], double share,
+                               cloth_error *err)
+{
+  double rr = (double)scalar[CLOTH_PCG_RESIDUAL] / (double)scalar[CLOTH_PCG_BB];
+  double rz = (double)scalar[CLOTH_PCG_RZ] / (double)scalar[CLOTH_PCG_RZ_FIRST];
+  sim->asked.tolerance = share * sqrt(fmin(rr, rz));
+  sim->asked.first = false;
+  for (int i = 0; i < sim->part_count; i++) {
+    cloth_part *p = &sim->part[i];
+    size_t at = 3 * (size_t)p->v0, bytes = sizeof(cloth_real) * 3 * (size_t)(p->v1 - p->v0);
+    CLOTH_TRY(cloth_copy_local(sim, p, p->b + at, p->r + at, bytes, err));
+  }
+  return cloth_solve(sim, scalar, err);
+}
+
+// How many iterations more. A time budget that has chosen fewer than the scene allows is kept to:
+// they are what fits into the step.
+static int iterations_more(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])
+{
+  int chosen = sim->params.pcg_iterations_max;
+  if (chosen >= sim->def->params.pcg_iterations_max) return LEFT_ITERATIONS;
+  return chosen - (int)scalar[CLOTH_PCG_ITERATIONS];
+}
+
+cloth_status cloth_solve_left(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
+                              double *correction, cloth_error *err)
+{
+  double enough = LEFT * sim->params.thickness, left;
+  if (!touches(sim)) return CLOTH_OK;
+  sim->asked.iterations_max = iterations_more(sim, scalar);
+  while (sim->asked.iterations_max > 0 && !cloth_solve_astray(sim, scalar)) {
+    CLOTH_TRY(measure_left(sim, scalar, enough, &left, err));
+    if (!(left > enough)) break;
+    CLOTH_TRY(solve_rest(sim, scalar, LEFT_AIM * enough / left, err));
+    int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
+    *correction += (double)scalar[CLOTH_PCG_LARGEST];
+    sim->asked.iterations_max -= iterations > 0 ? iterations : LEFT_ITERATIONS;
+  }
+  return CLOTH_OK;
+}

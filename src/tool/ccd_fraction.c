@@ -37,15 +37,16 @@ const char *ccd_whole_read(const char *text, ccd_whole *out)
 
 static void whole_number(const ccd_whole *w, cloth_exact *out)
 {
-  const cloth_exact ten = {1, 1, {10}};
-  cloth_exact number = {0}, product;
-  for (int i = 0; i < w->digits; i++) {
-    uint32_t digit = (uint32_t)(w->text[i] - '0');
-    const cloth_exact add = {digit > 0, digit > 0, {digit}};
-    cloth_exact_mul(&number, &ten, &product);
-    cloth_exact_add(&product, &add, 1, &number);
+  cloth_exact product;
+  *out = (cloth_exact){0};
+  for (int i = 0; i < w->digits;) {
+    uint32_t power = 1, value = 0; // nine digits at a time fit
+    for (int k = 0; k < 9 && i < w->digits; k++, i++, power *= 10)
+      value = 10 * value + (uint32_t)(w->text[i] - '0');
+    const cloth_exact scale = {1, 1, {power}}, add = {value > 0, value > 0, {value}};
+    cloth_exact_mul(out, &scale, &product);
+    cloth_exact_add(&product, &add, 1, out);
   }
-  *out = number;
 }
 
 static int bit_count(const cloth_exact *a)

@@ -33,10 +33,9 @@ __global__ void __launch_bounds__(THREADS)
     for (int k = (int)threadIdx.x; k < slots * BLOCK; k += THREADS) shared[k] = 0;
     __syncthreads();
   }
-  cloth_v3 force = cloth_v3_make(0, 0, 0);
-  if (i < n) force = cloth_assemble_lines(i, &a, line);
+  if (i < n) cloth_assemble_lines(i, &a, line);
   __syncthreads();
-  if (i < n && line.first == 0) cloth_assemble_rest(i, &a, force);
+  if (i < n && line.first == 0) cloth_assemble_rest(i, &a);
   if (!fits) return;
   cloth_real *val = args.rows.val + (int64_t)first * BLOCK;
   for (int k = (int)threadIdx.x; k < slots * BLOCK; k += THREADS) val[k] = shared[k];

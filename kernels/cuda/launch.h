@@ -13,4 +13,5 @@ typedef cudaError_t cloth_cuda_launcher(cloth_device *d, int n, const void *args
 cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k);
 
 cloth_cuda_launcher cloth_cuda_assemble, cloth_cuda_membrane, cloth_cuda_bend,
-    cloth_cuda_pair_share, cloth_cuda_pair_large, cloth_cuda_zone_solve;
+    cloth_cuda_bend_shape, cloth_cuda_hat_row, cloth_cuda_pair_share, cloth_cuda_pair_large,
+    cloth_cuda_zone_solve;

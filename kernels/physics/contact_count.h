@@ -22,5 +22,9 @@ CLOTH_FN void cloth_contact_count(int i, const cloth_contact_count_args *a)
     else if (owner < 0)
       owner = v;
   }
-  if (owner >= a->first && owner < a->last) cloth_atomic_add(a->count + body, 1);
+  if (owner < a->first || owner >= a->last) return;
+  if (body) // apart, so that each is one address for a warp
+    cloth_atomic_next(a->count + 1);
+  else
+    cloth_atomic_next(a->count);
 }

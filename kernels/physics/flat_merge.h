@@ -26,5 +26,5 @@ CLOTH_FN void cloth_flat_merge(int i, const cloth_flat_merge_args *a)
   const int *s = a->source + 4 * node;
   cloth_real range[CLOTH_FLAT_RANGE];
   cloth_flat_merge_rect(a->range, s[0], s[1], s[2], s[3], range);
-  for (int k = 0; k < CLOTH_FLAT_RANGE; k++) a->range[CLOTH_FLAT_RANGE * node + k] = range[k];
+  cloth_flat_range_store(a->range + CLOTH_FLAT_RANGE * node, range);
 }

@@ -78,10 +78,17 @@ CLOTH_FN int cloth_flat_holds(const cloth_flat_map *m, cloth_flat_place p)
 }
 
 // r becomes the range of both; a range without triangles has its least above its largest
-CLOTH_FN void cloth_flat_range_add(cloth_real *r, const cloth_real *other)
+CLOTH_FN void cloth_flat_range_add(cloth_real *r, const cloth_real *stored)
 {
+  cloth_real other[CLOTH_FLAT_RANGE];
+  for (int k = 0; k < 12; k += 4) cloth_load4(stored + k, other + k);
   for (int k = 0; k < 6; k++) r[k] = other[k] < r[k] ? other[k] : r[k];
   for (int k = 6; k < 12; k++) r[k] = other[k] > r[k] ? other[k] : r[k];
+}
+
+CLOTH_FN void cloth_flat_range_store(cloth_real *to, const cloth_real *range)
+{
+  for (int k = 0; k < 12; k += 4) cloth_store4(to + k, range + k);
 }
 
 CLOTH_FN void cloth_flat_range_clear(cloth_real *r)

@@ -17,6 +17,5 @@ CLOTH_FN void cloth_flat_tile(int i, const cloth_flat_tile_args *a)
   cloth_flat_range_clear(range);
   for (int n = a->first[i]; n < a->first[i + 1]; n++)
     cloth_flat_range_add(range, a->triangle + CLOTH_FLAT_RANGE * a->list[n]);
-  cloth_real *out = a->range + CLOTH_FLAT_RANGE * (a->node ? a->node[i] : i);
-  for (int k = 0; k < CLOTH_FLAT_RANGE; k++) out[k] = range[k];
+  cloth_flat_range_store(a->range + CLOTH_FLAT_RANGE * (a->node ? a->node[i] : i), range);
 }

@@ -27,13 +27,15 @@ CLOTH_FN void cloth_flat_gradient(const cloth_real *x, const int *v, const cloth
 CLOTH_FN void cloth_flat_triangle(int i, const cloth_flat_triangle_args *a)
 {
   const int *v = a->triangle + 3 * (a->which ? a->which[i] : i);
-  cloth_real f[18], *range = a->range + CLOTH_FLAT_RANGE * i;
-  cloth_flat_gradient(a->x_t0, v, a->rest + 4 * i, f);
-  cloth_flat_gradient(a->x, v, a->rest + 4 * i, f + 6);
-  cloth_flat_gradient(a->x_pred, v, a->rest + 4 * i, f + 12);
+  cloth_real f[18], rest[4], range[CLOTH_FLAT_RANGE];
+  cloth_load4(a->rest + 4 * i, rest);
+  cloth_flat_gradient(a->x_t0, v, rest, f);
+  cloth_flat_gradient(a->x, v, rest, f + 6);
+  cloth_flat_gradient(a->x_pred, v, rest, f + 12);
   for (int k = 0; k < 6; k++) {
     cloth_real lo = f[6 + k] < f[k] ? f[6 + k] : f[k], hi = f[6 + k] > f[k] ? f[6 + k] : f[k];
     range[k] = f[12 + k] < lo ? f[12 + k] : lo;
     range[6 + k] = f[12 + k] > hi ? f[12 + k] : hi;
   }
+  cloth_flat_range_store(a->range + CLOTH_FLAT_RANGE * i, range);
 }

@@ -11,6 +11,13 @@
 #define CLOTH_FN static inline
 #endif
 
+// a loop that a GPU's compiler leaves one, where its registers are needed for more threads
+#ifdef __CUDACC__
+#define CLOTH_ROLLED _Pragma("unroll 1")
+#else
+#define CLOTH_ROLLED
+#endif
+
 #ifdef CLOTH_SINGLE_PRECISION
 typedef float cloth_real;
 #define CLOTH_REAL_EPSILON 1.1920929e-07f // distance from 1 to the next number
@@ -54,6 +61,79 @@ CLOTH_FN cloth_v3 cloth_v3_load(const cloth_real *a, int i)
 {
   return cloth_v3_make(a[3 * i], a[3 * i + 1], a[3 * i + 2]);
 }
+
+// Two or four neighbours of an array, the first of which has an even place, or one that four
+// divide. A GPU asks for them at once: where each thread reads elsewhere, what costs is how often
+// it asks.
+#ifdef __CUDA_ARCH__
+#ifdef CLOTH_SINGLE_PRECISION
+typedef float2 cloth_real2;
+#else
+typedef double2 cloth_real2;
+#endif
+CLOTH_FN void cloth_load2(const cloth_real *from, cloth_real *to)
+{
+  cloth_real2 v = *(const cloth_real2 *)from;
+  to[0] = v.x, to[1] = v.y;
+}
+
+CLOTH_FN void cloth_load4(const cloth_real *from, cloth_real *to)
+{
+#ifdef CLOTH_SINGLE_PRECISION
+  float4 v = *(const float4 *)from;
+  to[0] = v.x, to[1] = v.y, to[2] = v.z, to[3] = v.w;
+#else
+  cloth_load2(from, to), cloth_load2(from + 2, to + 2);
+#endif
+}
+
+CLOTH_FN void cloth_store4(cloth_real *to, const cloth_real *from)
+{
+#ifdef CLOTH_SINGLE_PRECISION
+  *(float4 *)to = make_float4(from[0], from[1], from[2], from[3]);
+#else
+  *(double2 *)to = make_double2(from[0], from[1]);
+  *(double2 *)(to + 2) = make_double2(from[2], from[3]);
+#endif
+}
+
+CLOTH_FN void cloth_load2_int(const int *from, int *to)
+{
+  int2 v = *(const int2 *)from;
+  to[0] = v.x, to[1] = v.y;
+}
+
+CLOTH_FN void cloth_load4_int(const int *from, int *to)
+{
+  int4 v = *(const int4 *)from;
+  to[0] = v.x, to[1] = v.y, to[2] = v.z, to[3] = v.w;
+}
+#else
+CLOTH_FN void cloth_load2(const cloth_real *from, cloth_real *to)
+{
+  for (int k = 0; k < 2; k++) to[k] = from[k];
+}
+
+CLOTH_FN void cloth_load4(const cloth_real *from, cloth_real *to)
+{
+  for (int k = 0; k < 4; k++) to[k] = from[k];
+}
+
+CLOTH_FN void cloth_store4(cloth_real *to, const cloth_real *from)
+{
+  for (int k = 0; k < 4; k++) to[k] = from[k];
+}
+
+CLOTH_FN void cloth_load2_int(const int *from, int *to)
+{
+  for (int k = 0; k < 2; k++) to[k] = from[k];
+}
+
+CLOTH_FN void cloth_load4_int(const int *from, int *to)
+{
+  for (int k = 0; k < 4; k++) to[k] = from[k];
+}
+#endif
 
 CLOTH_FN void cloth_v3_store(cloth_real *a, int i, cloth_v3 v)
 {
@@ -120,6 +200,11 @@ CLOTH_FN cloth_sym3 cloth_sym3_axis(cloth_real a, cloth_real b, cloth_v3 n)
   s.xx = a + b * n.x * n.x, s.yy = a + b * n.y * n.y, s.zz = a + b * n.z * n.z;
   s.yz = b * n.y * n.z, s.zx = b * n.z * n.x, s.xy = b * n.x * n.y;
   return s;
+}
+
+CLOTH_FN cloth_real cloth_v3_sum_abs(cloth_v3 a)
+{
+  return cloth_fabs(a.x) + cloth_fabs(a.y) + cloth_fabs(a.z);
 }
 
 // component d, line d: chosen, not indexed, so that they stay in registers

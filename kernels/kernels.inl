@@ -102,7 +102,6 @@ CLOTH_KERNEL(pcg_beta, 2)
 CLOTH_KERNEL(pcg_direction, 256)
 CLOTH_KERNEL(pcg_residual, 128)
 CLOTH_KERNEL(pcg_finish, 2)
-CLOTH_KERNEL(pcg_left, 64)
 CLOTH_KERNEL(reduce_max, 256)
 
 // mass-spring

@@ -63,17 +63,6 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
   if (threadIdx.x == 0) a.partial[CLOTH_PCG_PARTIALS * (a.first / CLOTH_CHUNK + i)] = sum[0];
 }
 
-__global__ void __launch_bounds__(CHUNK_THREADS)
-    residual_kernel(const __grid_constant__ cloth_pcg_residual_args a)
-{
-  __shared__ cloth_real upper[CLOTH_WARP];
-  int i = (int)blockIdx.x, k = a.v.first + i * CLOTH_CHUNK + (int)threadIdx.x;
-  cloth_real sum[1] = {};
-  if (k < cloth_chunk_end(a.v.first, a.v.count, i)) sum[0] = cloth_pcg_residual_row(k, &a.v);
-  cloth_block_chunk_sums(sum, upper);
-  if (threadIdx.x == 0) a.v.partial[CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i)] = sum[0];
-}
-
 // the larger over the chunk of a block, on thread 0; order does not matter
 __device__ cloth_real chunk_larger(cloth_real v, cloth_real *shared)
 {
@@ -83,6 +72,20 @@ __device__ cloth_real chunk_larger(cloth_real v, cloth_real *shared)
   v = cloth_larger(v, *shared);
   __syncthreads();
   return v;
+}
+
+__global__ void __launch_bounds__(CHUNK_THREADS)
+    residual_kernel(const __grid_constant__ cloth_pcg_residual_args a)
+{
+  __shared__ cloth_real upper[CLOTH_WARP], larger;
+  int i = (int)blockIdx.x, k = a.v.first + i * CLOTH_CHUNK + (int)threadIdx.x;
+  cloth_real sum[1] = {}, left_sq = 0;
+  if (k < cloth_chunk_end(a.v.first, a.v.count, i))
+    sum[0] = cloth_pcg_residual_row(k, &a.v, &left_sq);
+  cloth_block_chunk_sums(sum, upper);
+  left_sq = chunk_larger(left_sq, &larger);
+  cloth_real *partial = a.v.partial + CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i);
+  if (threadIdx.x == 0) partial[0] = sum[0], partial[1] = left_sq;
 }
 
 // the fields of the block's chunk from those of its threads
@@ -225,17 +228,25 @@ __global__ void __launch_bounds__(CLOTH_PCG_LANES)
 __global__ void __launch_bounds__(CLOTH_PCG_LANES)
     finish_kernel(const __grid_constant__ cloth_pcg_finish_args a)
 {
-  __shared__ cloth_real lanes[CLOTH_PCG_LANES], larger[CLOTH_PCG_LANES / CLOTH_WARP];
-  cloth_real rr[1], v = 0;
+  enum { WARPS = CLOTH_PCG_LANES / CLOTH_WARP };
+  __shared__ cloth_real lanes[CLOTH_PCG_LANES], larger[2][WARPS];
+  cloth_real rr[1], largest = 0, left_sq = 0;
   cloth_block_partial_sums(a.partial, a.chunks, 0, rr, lanes);
-  for (int c = (int)threadIdx.x; c < a.chunks; c += CLOTH_PCG_LANES)
-    v = cloth_larger(v, a.largest[c]);
-  v = cloth_warp_larger(v);
-  if (threadIdx.x % CLOTH_WARP == 0) larger[threadIdx.x / CLOTH_WARP] = v;
+  for (int c = (int)threadIdx.x; c < a.chunks; c += CLOTH_PCG_LANES) {
+    largest = cloth_larger(largest, a.largest[c]);
+    left_sq = cloth_larger(left_sq, a.partial[CLOTH_PCG_PARTIALS * c + 1]);
+  }
+  largest = cloth_warp_larger(largest), left_sq = cloth_warp_larger(left_sq);
+  int warp = (int)threadIdx.x / CLOTH_WARP;
+  if (threadIdx.x % CLOTH_WARP == 0) larger[0][warp] = largest, larger[1][warp] = left_sq;
   __syncthreads();
   if (threadIdx.x > 0) return;
-  for (int w = 1; w < CLOTH_PCG_LANES / CLOTH_WARP; w++) v = cloth_larger(v, larger[w]);
-  a.scalar[CLOTH_PCG_LARGEST] = v;
+  for (int w = 1; w < WARPS; w++) {
+    largest = cloth_larger(largest, larger[0][w]);
+    left_sq = cloth_larger(left_sq, larger[1][w]);
+  }
+  a.scalar[CLOTH_PCG_LARGEST] = largest;
+  a.scalar[CLOTH_PCG_LEFT] = cloth_sqrt(left_sq);
   a.scalar[CLOTH_PCG_RESIDUAL] = rr[0];
 }
 
@@ -465,6 +476,10 @@ cloth_cuda_launcher *cloth_cuda_block_launcher(cloth_kernel k)
     return cloth_cuda_membrane;
   case CLOTH_KERNEL_bend:
     return cloth_cuda_bend;
+  case CLOTH_KERNEL_bend_shape:
+    return cloth_cuda_bend_shape;
+  case CLOTH_KERNEL_hat_row:
+    return cloth_cuda_hat_row;
   case CLOTH_KERNEL_pair_share:
     return cloth_cuda_pair_share;
   case CLOTH_KERNEL_pair_large:

@@ -72,7 +72,6 @@
 #include "pcg_beta.h"
 #include "pcg_direction.h"
 #include "pcg_finish.h"
-#include "pcg_left.h"
 #include "pcg_product.h"
 #include "pcg_residual.h"
 #include "pcg_start.h"

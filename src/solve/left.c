@@ -1,6 +1,6 @@
-// What a linear solve leaves, judged as a length (pcg_left.h), and solved for where it is too long.
+// What a linear solve leaves, judged as a length (pcg_residual.h), and solved for where it is too
+// long.
 #include "effect/effect.h"
-#include "pcg_left.h"
 #include "solve/solve.h"
 
 #include <math.h>
@@ -16,27 +16,6 @@ enum { LEFT_ITERATIONS = 500 };
 static bool touches(const cloth_sim *sim)
 {
   return sim->active[CLOTH_EFFECT_self_contact] || sim->active[CLOTH_EFFECT_body_contact];
-}
-
-// The largest that pcg_left.h finds [m]; 0 where the sums that every solve ends with bound it by
-// `enough`: r' z is no less than any vertex's share of it, and no row is softer than its inertia.
-static cloth_status measure_left(cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS],
-                                 double enough, double *out, cloth_error *err)
-{
-  double softest = sim->mass_least / (sim->gamma * sim->gamma);
-  *out = 0;
-  if ((double)scalar[CLOTH_PCG_RZ] <= softest * enough * enough) return CLOTH_OK;
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    cloth_pcg_left_args a = {cloth_solve_vectors(sim, p), p->largest};
-    CLOTH_LAUNCH(sim, p, pcg_left, cloth_part_chunks(p), &a, err);
-  }
-  for (int i = 0; i < sim->part_count; i++) {
-    cloth_part *p = &sim->part[i];
-    CLOTH_TRY(cloth_read_largest(sim, p, p->largest + p->v0 / CLOTH_CHUNK, cloth_part_chunks(p),
-                                 out, err));
-  }
-  return CLOTH_OK;
 }
 
 // Solve for what is left, to `share` of it. It is measured against what the solve before was, so
@@ -66,18 +45,21 @@ static int iterations_more(const cloth_sim *sim, const cloth_real scalar[CLOTH_P
 }
 
 cloth_status cloth_solve_left(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
-                              double *correction, cloth_error *err)
+                              double *correction, bool *worse, cloth_error *err)
 {
-  double enough = LEFT * sim->params.thickness, left;
+  *worse = false;
+  double enough = LEFT * sim->params.thickness;
   if (!touches(sim)) return CLOTH_OK;
   sim->asked.iterations_max = iterations_more(sim, scalar);
-  while (sim->asked.iterations_max > 0 && !cloth_solve_astray(sim, scalar)) {
-    CLOTH_TRY(measure_left(sim, scalar, enough, &left, err));
-    if (!(left > enough)) break;
+  while (sim->asked.iterations_max > 0 && (double)scalar[CLOTH_PCG_LEFT] > enough &&
+         !cloth_solve_astray(sim, scalar)) {
+    double left = (double)scalar[CLOTH_PCG_LEFT];
     CLOTH_TRY(solve_rest(sim, scalar, LEFT_AIM * enough / left, err));
     int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
     *correction += (double)scalar[CLOTH_PCG_LARGEST];
     sim->asked.iterations_max -= iterations > 0 ? iterations : LEFT_ITERATIONS;
+    *worse = !((double)scalar[CLOTH_PCG_LEFT] < left);
+    if (*worse) break;
   }
   return CLOTH_OK;
 }

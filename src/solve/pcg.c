@@ -411,13 +411,13 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
   CLOTH_TRY(coarsen(sim, err));
   CLOTH_TRY(cloth_solve(sim, scalar, err));
   *correction = (double)scalar[CLOTH_PCG_LARGEST];
-  bool done = scalar[CLOTH_PCG_DONE] > 0;
-  CLOTH_TRY(cloth_solve_left(sim, scalar, correction, err));
+  bool done = scalar[CLOTH_PCG_DONE] > 0, worse;
+  CLOTH_TRY(cloth_solve_left(sim, scalar, correction, &worse, err));
 
   double relative = relative_of(scalar);
   cloth_step_report *report = sim->report;
   report->newton_iterations++;
-  sim->astray = cloth_solve_astray(sim, scalar);
+  sim->astray = worse || cloth_solve_astray(sim, scalar);
   report->pcg_unconverged += !done || sim->astray;
   if (!(relative <= report->pcg_residual)) report->pcg_residual = relative;
   return CLOTH_OK;

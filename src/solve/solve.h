@@ -14,6 +14,7 @@ cloth_status cloth_solve(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], c
 bool cloth_solve_astray(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS]);
 
 /// After a solve: goes on where a vertex is left farther from its place than what meets can bear
-/// (solve/left.c). scalar: of that solve, and of the last one then; *correction [m]: added to.
+/// (solve/left.c). scalar: of that solve, and of the last one then; *correction [m]: added to;
+/// *worse: that led farther away, as where rounding is all that is left of the matrix.
 cloth_status cloth_solve_left(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
-                              double *correction, cloth_error *err);
+                              double *correction, bool *worse, cloth_error *err);

@@ -235,9 +235,6 @@ static void weigh(cloth_sim *sim)
     edges += sqrt(rest[4] * 4 / sqrt(3.0)); // of an equilateral triangle of that area
   }
   sim->mean_edge = edges / sim->triangle_count;
-  sim->mass_least = sim->mass_total;
-  for (int v = 0; v < sim->vertex_count; v++)
-    sim->mass_least = fmin(sim->mass_least, sim->mass[v]);
 }
 
 static void measure(cloth_sim *sim)

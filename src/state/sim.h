@@ -136,7 +136,6 @@ struct cloth_sim {
   double *rest;               // [vertex_count x 3] m, scene frame at the start
   double *mass;               // [vertex_count] kg
   double mass_total;          // kg
-  double mass_least;          // kg, of a vertex
   double mean_edge;           // m
   cloth_bend_rest *bend_rest; // all bending elements, while bending is active
 

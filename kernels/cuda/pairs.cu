@@ -5,7 +5,7 @@
 
 namespace {
 
-enum { WARP = 32, WARPS = 4 };
+enum { WARP = 32, WARPS = 4, LARGE = 16 };
 
 // emit what is collected, 32 at a time, with one atomic for all of them; with `rest`, all of it
 __device__ int emit(const cloth_pair_mesh *m, const int2 *found, int count, bool rest)
@@ -60,21 +60,36 @@ __global__ void __launch_bounds__(WARP *WARPS)
   emit(&a.mesh, found, count, true);
 }
 
-// a thread for each triangle of a chunk
+// a thread for each triangle of a chunk, against a few large ones
 __global__ void __launch_bounds__(CLOTH_CHUNK)
-    pair_large_kernel(const __grid_constant__ cloth_pair_large_args a)
+    pair_large_kernel(int large, const __grid_constant__ cloth_pair_large_args a)
 {
-  int i = (int)blockIdx.x, chunk = i % a.chunks, t = chunk * CLOTH_CHUNK + (int)threadIdx.x;
-  if (cloth_pair_large_near(i, &a) && t < cloth_chunk_end(0, a.mesh.cloth_triangles, chunk))
-    cloth_pair_large_one(i, t, &a);
+  __shared__ int2 all_found[CLOTH_CHUNK / WARP][2 * WARP];
+  int chunk = (int)blockIdx.x % a.chunks, t = chunk * CLOTH_CHUNK + (int)threadIdx.x;
+  int lane = (int)threadIdx.x % WARP, count = 0, begin = (int)blockIdx.x / a.chunks * LARGE;
+  int end = begin + LARGE < large ? begin + LARGE : large;
+  int2 *found = all_found[threadIdx.x / WARP];
+  if (!cloth_pair_large_near(chunk, &a)) return;
+  bool there = t < cloth_chunk_end(0, a.mesh.cloth_triangles, chunk);
+  cloth_box box = cloth_box_load(a.mesh.box, there ? t : 0);
+  for (int l = begin; l < end; l++) {
+    int other = (int)a.large[l];
+    bool hit = there && cloth_box_near(box, cloth_box_load(a.mesh.box, other), a.mesh.gap);
+    unsigned hits = __ballot_sync(0xffffffffu, hit);
+    if (hit) found[count + __popc(hits & ((1u << lane) - 1))] = make_int2(t, other);
+    count = emit(&a.mesh, found, count + __popc(hits), false);
+  }
+  emit(&a.mesh, found, count, true);
 }
 
 } // namespace
 
 cudaError_t cloth_cuda_pair_large(cloth_device *, int n, const void *args, cudaStream_t stream)
 {
-  pair_large_kernel<<<(unsigned)n, CLOTH_CHUNK, 0, stream>>>(
-      *static_cast<const cloth_pair_large_args *>(args));
+  const auto *a = static_cast<const cloth_pair_large_args *>(args);
+  int large = n / a->chunks;
+  unsigned blocks = (unsigned)(large + LARGE - 1) / LARGE * (unsigned)a->chunks;
+  pair_large_kernel<<<blocks, CLOTH_CHUNK, 0, stream>>>(large, *a);
   return cudaGetLastError();
 }
 

@@ -33,8 +33,57 @@ CLOTH_FN int cloth_pair_mine(const cloth_pair_mesh *m, int v)
   return v >= m->first && v < m->last;
 }
 
-// bits 0..2: which corners of ta may touch tb
-CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb)
+// Boxes say little of triangles that lie slanted in layers: those are told apart by the planes of
+// their faces. Which corners of `other` stay on one side of all that `face` may reach, farther than
+// the gap: bits 0..2 above, 3..5 below.
+CLOTH_FN uint32_t cloth_pair_sides(const cloth_pair_mesh *m, int face, int other)
+{
+  const int *corner = m->triangle + 3 * face;
+  cloth_box box[3];
+  for (int k = 0; k < 3; k++) box[k] = cloth_box_load(m->vertex_box, corner[k]);
+  cloth_v3 o = box[0].lo, at[3]; // relative to it: float keeps its digits
+  for (int k = 0; k < 3; k++)
+    at[k] = cloth_v3_add(cloth_v3_sub(box[k].lo, o), cloth_v3_sub(box[k].hi, o));
+  cloth_v3 n = cloth_v3_cross(cloth_v3_sub(at[1], at[0]), cloth_v3_sub(at[2], at[0]));
+  cloth_v3 wide = cloth_v3_make(cloth_fabs(n.x), cloth_fabs(n.y), cloth_fabs(n.z));
+  cloth_real highest = 0, lowest = 0, size = m->gap; // all heights are doubled
+  for (int k = 0; k < 3; k++) {
+    cloth_v3 extent = cloth_v3_sub(box[k].hi, box[k].lo);
+    cloth_real height = cloth_v3_dot(n, at[k]), reach = cloth_v3_dot(wide, extent);
+    highest = k == 0 || height + reach > highest ? height + reach : highest;
+    lowest = k == 0 || height - reach < lowest ? height - reach : lowest;
+    size += cloth_v3_sum_abs(at[k]) + cloth_v3_sum_abs(extent);
+  }
+  cloth_real room = 2 * m->gap * cloth_v3_length(n);
+  cloth_real rounding = 32 * CLOTH_REAL_EPSILON * (wide.x + wide.y + wide.z);
+  uint32_t bits = 0;
+  CLOTH_ROLLED for (int k = 0; k < 3; k++)
+  {
+    cloth_box b = cloth_box_load(m->vertex_box, m->triangle[3 * other + k]);
+    cloth_v3 lo = cloth_v3_sub(b.lo, o), hi = cloth_v3_sub(b.hi, o);
+    cloth_v3 sum = cloth_v3_add(lo, hi), extent = cloth_v3_sub(hi, lo);
+    cloth_real height = cloth_v3_dot(n, sum), reach = cloth_v3_dot(wide, extent);
+    reach += room + rounding * (size + cloth_v3_sum_abs(sum) + cloth_v3_sum_abs(extent));
+    if (height - reach > highest) bits |= 1u << k;
+    if (height + reach < lowest) bits |= 8u << k;
+  }
+  return bits;
+}
+
+// is the corner, are both ends of the edge, on one side?
+CLOTH_FN int cloth_pair_corner_apart(uint32_t sides, int k)
+{
+  return (sides | sides >> 3) >> k & 1;
+}
+
+CLOTH_FN int cloth_pair_edge_apart(uint32_t sides, int k)
+{
+  uint32_t ends = 1u << k | 1u << (k + 1) % 3;
+  return (sides & ends) == ends || (sides >> 3 & ends) == ends;
+}
+
+// bits 0..2: which corners of ta may touch tb; sides: of ta's corners by tb
+CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb, uint32_t sides)
 {
   const int *va = m->triangle + 3 * ta, *vb = m->triangle + 3 * tb;
   cloth_box face = cloth_box_load(m->box, tb);
@@ -43,23 +92,26 @@ CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int
   for (int k = 0; k < 3; k++) {
     int v = va[k];
     if (!(m->owns[ta] >> k & 1) || v == vb[0] || v == vb[1] || v == vb[2]) continue;
+    if (cloth_pair_corner_apart(sides, k)) continue;
     if (!mine && !cloth_pair_mine(m, v)) continue;
     if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, m->gap)) bits |= 1u << k;
   }
   return bits;
 }
 
-// bit 3 i + k: edge i of ta may touch edge k of tb
-CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
+// bit 3 i + k: edge i of ta may touch edge k of tb; sides: of ta's corners by tb, of tb's by ta
+CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb, uint32_t sides_a,
+                                   uint32_t sides_b)
 {
   uint32_t bits = 0;
-  for (int i = 0; i < 3; i++) {
-    if (!(m->owns[ta] >> (3 + i) & 1)) continue;
+  CLOTH_ROLLED for (int i = 0; i < 3; i++)
+  {
+    if (!(m->owns[ta] >> (3 + i) & 1) || cloth_pair_edge_apart(sides_a, i)) continue;
     int ea = m->triangle_edge[3 * ta + i], a0 = m->edge[2 * ea], a1 = m->edge[2 * ea + 1];
     cloth_box box =
         cloth_box_union(cloth_box_load(m->vertex_box, a0), cloth_box_load(m->vertex_box, a1));
     for (int k = 0; k < 3; k++) {
-      if (!(m->owns[tb] >> (3 + k) & 1)) continue;
+      if (!(m->owns[tb] >> (3 + k) & 1) || cloth_pair_edge_apart(sides_b, k)) continue;
       int eb = m->triangle_edge[3 * tb + k], b0 = m->edge[2 * eb], b1 = m->edge[2 * eb + 1];
       if (a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1) continue;
       if (!cloth_pair_mine(m, a0) && !cloth_pair_mine(m, a1) && !cloth_pair_mine(m, b0) &&
@@ -81,8 +133,12 @@ CLOTH_FN uint32_t cloth_pair_bits(const cloth_pair_mesh *m, int ta, int tb)
   if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return 0;
   if (m->triangles_only) // counted by the part of the lower one's first corner
     return (uint32_t)cloth_pair_mine(m, m->triangle[3 * (ta < tb ? ta : tb)]);
-  return cloth_pair_vertices_face(m, ta, tb) | cloth_pair_vertices_face(m, tb, ta) << 3 |
-         cloth_pair_edges(m, ta, tb) << 6;
+  uint32_t sides_b = cloth_pair_sides(m, ta, tb);
+  if ((sides_b & 7) == 7 || sides_b >> 3 == 7) return 0;
+  uint32_t sides_a = cloth_pair_sides(m, tb, ta);
+  return cloth_pair_vertices_face(m, ta, tb, sides_a) |
+         cloth_pair_vertices_face(m, tb, ta, sides_b) << 3 |
+         cloth_pair_edges(m, ta, tb, sides_a, sides_b) << 6;
 }
 
 /// The pair that a bit stands for.

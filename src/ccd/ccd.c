@@ -61,7 +61,7 @@ static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, clot
 {
   cloth_zone_part *z = &p->zone;
   int pairs;
-  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_IMPACTS, 2, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_IMPACTS, err));
   cloth_impact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                               .gap = (cloth_real)cloth_impact_gap(sim),
                               .moved = moved ? z->moved : NULL,
@@ -71,7 +71,7 @@ static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, bool moved, clot
                               .capacity = z->found_capacity,
                               .driven = z->driven,
                               .driven_capacity = z->driven_capacity,
-                              .count = p->counter + CLOTH_COUNT_IMPACTS};
+                              .count = cloth_counter(p, CLOTH_COUNT_IMPACTS)};
   cloth_work_look(p, pairs);
   return cloth_launch(sim, p, CLOTH_KERNEL_impact_find, pairs, &a, err);
 }
@@ -98,7 +98,7 @@ static cloth_status count_found(cloth_sim *sim, cloth_part *p, bool moved, uint3
 {
   const cloth_zone_part *z = &p->zone;
   for (;;) {
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_IMPACTS, 2, count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_IMPACTS, count, err));
     if (count[0] <= z->found_capacity && count[1] <= z->driven_capacity) return CLOTH_OK;
     CLOTH_TRY(grow_found_on_part(sim, p, count, err));
     CLOTH_TRY(find_on_part(sim, p, moved, err));

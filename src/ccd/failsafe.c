@@ -33,7 +33,7 @@ static cloth_status limit(cloth_sim *sim, bool stop, bool moved, uint32_t count[
     cloth_part *p = &sim->part[i];
     uint32_t found[2];
     int pairs;
-    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_LIMITED, 2, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_LIMITED, err));
     cloth_impact_limit_args a = {.scene = cloth_contact_scene_of(sim, p),
                                  .stop = stop,
                                  .gap = (cloth_real)cloth_impact_gap(sim),
@@ -41,9 +41,9 @@ static cloth_status limit(cloth_sim *sim, bool stop, bool moved, uint32_t count[
                                  .moved = moved ? p->zone.moved : NULL,
                                  .allowed = p->allowed,
                                  .claim = p->claim,
-                                 .count = p->counter + CLOTH_COUNT_LIMITED};
+                                 .count = cloth_counter(p, CLOTH_COUNT_LIMITED)};
     CLOTH_LAUNCH(sim, p, impact_limit, pairs, &a, err);
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_LIMITED, 2, found, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_LIMITED, found, err));
     for (int k = 0; k < 2; k++) count[k] += found[k];
   }
   return CLOTH_OK;

@@ -93,7 +93,7 @@ static cloth_status grow_contacts(cloth_sim *sim, cloth_part *p, size_t n, cloth
 
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
-  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_CONTACTS, 2, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_CONTACTS, err));
   cloth_contact_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                                .pair = sim->watch.covers ? p->watch : p->pair,
                                .contact = p->contact,
@@ -101,7 +101,7 @@ static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
                                .close = sim->close_known ? p->close : NULL,
                                .close_capacity = p->close_capacity,
                                .close_reach = (cloth_real)cloth_close_reach(sim),
-                               .count = p->counter + CLOTH_COUNT_CONTACTS};
+                               .count = cloth_counter(p, CLOTH_COUNT_CONTACTS)};
   int pairs = sim->watch.covers ? p->watch_count : p->pair_count;
   sim->report->pairs_looked += pairs;
   cloth_work_look(p, pairs);
@@ -116,7 +116,7 @@ static cloth_status take_found(cloth_sim *sim, cloth_part *p, cloth_error *err)
   for (;;) {
     uint32_t found[2];
     bool again;
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_CONTACTS, 2, found, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_CONTACTS, found, err));
     uint32_t count = found[0];
     p->contact_count = 0;
     CLOTH_TRY(cloth_close_take(sim, p, found[1], &again, err));
@@ -153,14 +153,14 @@ static cloth_status index_rows(cloth_sim *sim, cloth_part *p, cloth_error *err)
   if (p->contact_first == NULL)
     CLOTH_TRY(cloth_take(sim, p, "contact_first", sizeof(uint32_t) * (2 * (size_t)rows + 1),
                          &p->contact_first, err));
-  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_FACTORED, 1, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_FACTORED, err));
   cloth_contact_entry_args e = {.first = p->v0,
                                 .last = p->v1,
                                 .body_first = cloth_contact_body_first(sim),
                                 .vertex = p->contact_vertex,
                                 .row = p->contact_row,
                                 .entry = p->contact_entry,
-                                .factored = p->counter + CLOTH_COUNT_FACTORED};
+                                .factored = cloth_counter(p, CLOTH_COUNT_FACTORED)};
   CLOTH_LAUNCH(sim, p, contact_entry, p->contact_count, &e, err);
   CLOTH_TRY(sim->backend->sort(p->device, entries, bits_below(2 * rows + 1), p->contact_row,
                                p->contact_entry, p->contact_row_spare, p->contact_entry_spare,
@@ -193,7 +193,7 @@ double cloth_contact_stiffness(const cloth_sim *sim)
 
 const uint32_t *cloth_contact_factored(const cloth_part *p)
 {
-  return p->counter + CLOTH_COUNT_FACTORED;
+  return cloth_counter(p, CLOTH_COUNT_FACTORED);
 }
 
 // planes and rows of the pairs in the list, which is put in order
@@ -292,20 +292,20 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err)
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     if (p->contact_count == 0) continue;
-    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_TOTALS, 2, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_TOTALS, err));
     cloth_contact_count_args a = {sim->vertex_count,
                                   p->v0,
                                   p->v1,
                                   p->contact_vertex,
                                   p->contact_pressure,
-                                  p->counter + CLOTH_COUNT_TOTALS};
+                                  cloth_counter(p, CLOTH_COUNT_TOTALS)};
     CLOTH_LAUNCH(sim, p, contact_count, p->contact_count, &a, err);
   }
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count[2];
     if (p->contact_count == 0) continue;
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_TOTALS, 2, count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_TOTALS, count, err));
     sim->report->contacts_self += (int)count[0];
     sim->report->contacts_body += (int)count[1];
   }

@@ -1,27 +1,16 @@
-// Numbers that kernels count and the host reads.
+// Numbers that kernels count and the host reads: cloth_count_place says which.
 #pragma once
 
 #include "state/sim.h"
 
-/// Places in part->counter, each of one kernel; those of "a; b" have two.
-typedef enum cloth_count_place {
-  CLOTH_COUNT_ESCAPED = 0,   // vertices and squares that left their regions; close pairs' vertices
-  CLOTH_COUNT_CONTACTS = 2,  // contacts; close pairs
-  CLOTH_COUNT_TANGLES = 4,   // intersecting pairs of triangles
-  CLOTH_COUNT_FACTORED = 5,  // contacts kept as factors (assemble_row.h)
-  CLOTH_COUNT_TOTALS = 6,    // contacts of cloth with cloth; with bodies
-  CLOTH_COUNT_IMPACTS = 8,   // pairs that come to an impact; pairs in which nothing gives way
-  CLOTH_COUNT_LARGE = 10,    // triangles of too many cells: of bodies; of cloth
-  CLOTH_COUNT_WATCH = 12,    // vertices that strayed; watched pairs
-  CLOTH_COUNT_LIMITED = 14,  // impacts; of them such that can give way
-  CLOTH_COUNT_PAIRS = 16,    // candidate pairs, also those for which there was no room
-  CLOTH_COUNT_UNSETTLED = 17 // contacts that changed between sticking and sliding
-} cloth_count_place;
+/// Where a place counts now, on the device.
+uint32_t *cloth_counter(const cloth_part *part, cloth_count_place place);
 
-enum { CLOTH_COUNTS = 18 }; // length of part->counter
+/// Read what a place has counted.
+cloth_status cloth_count_read(cloth_sim *sim, cloth_part *part, cloth_count_place place,
+                              uint32_t *out, cloth_error *err);
 
-/// Read, clear counters of a part.
-cloth_status cloth_count_read(cloth_sim *sim, cloth_part *part, int place, int n, uint32_t *out,
-                              cloth_error *err);
-cloth_status cloth_count_clear(cloth_sim *sim, cloth_part *part, int place, int n,
+/// From here on a place counts from zero, elsewhere: most of the time in a number that is zero
+/// already, so that the device is not asked. Small scenes clear ten times a step.
+cloth_status cloth_count_clear(cloth_sim *sim, cloth_part *part, cloth_count_place place,
                                cloth_error *err);

@@ -74,7 +74,7 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     if (p->contact_count == 0) continue;
-    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_UNSETTLED, 1, err));
+    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_UNSETTLED, err));
     cloth_friction_check_args a = {.vertex = p->contact_vertex,
                                    .weight = p->contact_weight,
                                    .normal = p->contact_normal,
@@ -91,14 +91,14 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
                                    .x_t0 = p->x_t0,
                                    .x = p->x,
                                    .limit = cloth_friction_limit(sim),
-                                   .count = p->counter + CLOTH_COUNT_UNSETTLED};
+                                   .count = cloth_counter(p, CLOTH_COUNT_UNSETTLED)};
     CLOTH_LAUNCH(sim, p, friction_check, p->contact_count, &a, err);
   }
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count;
     if (p->contact_count == 0) continue;
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_UNSETTLED, 1, &count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_UNSETTLED, &count, err));
     *settled = *settled && count == 0;
   }
   sim->owner = CLOTH_CORE;

@@ -117,7 +117,7 @@ static cloth_status count_cells(cloth_sim *sim, cloth_part *p, const hash *h, cl
   CLOTH_TRY(cloth_ghosts_find(sim, p, &h->grid, h->gap / 2, err));
   cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, p->ghost_near, p->triangle_box};
   CLOTH_LAUNCH(sim, p, triangle_box, sim->triangle_count, &t, err);
-  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_LARGE, 2, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_LARGE, err));
   cloth_cell_count_args count = {.grid = h->grid,
                                  .gap = (cloth_real)(h->gap / 2),
                                  .cloth_triangles = sim->triangle_count,
@@ -125,8 +125,8 @@ static cloth_status count_cells(cloth_sim *sim, cloth_part *p, const hash *h, cl
                                  .box = p->triangle_box,
                                  .count = p->cells,
                                  .large = p->large,
-                                 .large_count = p->counter + CLOTH_COUNT_LARGE,
-                                 .vast_count = p->counter + CLOTH_COUNT_LARGE + 1,
+                                 .large_count = cloth_counter(p, CLOTH_COUNT_LARGE),
+                                 .vast_count = cloth_counter(p, CLOTH_COUNT_LARGE) + 1,
                                  .mark = cloth_ghosts_marks(p),
                                  .near = p->ghost_near};
   cloth_box all = cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, (cloth_real)h->slack);
@@ -145,7 +145,7 @@ static cloth_status read_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
   for (double coarser = 2;; coarser *= 2) {
     uint32_t entries, found[2];
     CLOTH_TRY(be->read(p->device, &entries, p->cells + h->active, sizeof entries, err));
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_LARGE, 2, found, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_LARGE, found, err));
     h->entries = (int)entries, h->large = (int)found[0];
     bool one = h->grid.size[0] == 1 && h->grid.size[1] == 1 && h->grid.size[2] == 1;
     if (one || (found[1] == 0 && entries <= usual)) return CLOTH_OK;
@@ -192,8 +192,8 @@ static cloth_status weigh_cells(cloth_sim *sim, cloth_part *p, const hash *h, cl
 static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err)
 {
   h->mesh.key = p->pair, h->mesh.capacity = p->pair_capacity;
-  h->mesh.count = p->counter + CLOTH_COUNT_PAIRS;
-  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_PAIRS, 1, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_PAIRS, err));
+  h->mesh.count = cloth_counter(p, CLOTH_COUNT_PAIRS);
   cloth_pair_share_args share = {h->mesh,    h->grid,     (cloth_real)(h->gap / 2),
                                  h->entries, p->cell_key, p->cell_triangle,
                                  p->work};
@@ -264,7 +264,7 @@ static cloth_status end(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err
 {
   for (;;) {
     uint32_t count;
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_PAIRS, 1, &count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_PAIRS, &count, err));
     p->pair_count = (int)count;
     if (count <= p->pair_capacity) return CLOTH_OK;
     CLOTH_TRY(cloth_grow(sim, p, "pair", 8 * (size_t)count, &p->pair, err)); // too small: once more

@@ -19,7 +19,7 @@ enum { VERTICES = 1, SQUARES = 2, GUESS = 4, WATCH = 8 };
 // Each part looks at its own vertices, and at the squares that it judges.
 static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth_error *err)
 {
-  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_ESCAPED, 2, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_ESCAPED, err));
   cloth_vertex_escape_args a = {.first = p->v0,
                                 .x_t0 = p->x_t0,
                                 .x = p->x,
@@ -27,7 +27,7 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
                                 .guess = what & GUESS ? p->x_guess : NULL,
                                 .cloth_vertices = sim->vertex_count,
                                 .stray = (cloth_real)cloth_close_stray(sim),
-                                .count = p->counter + CLOTH_COUNT_ESCAPED};
+                                .count = cloth_counter(p, CLOTH_COUNT_ESCAPED)};
   int b = -1, bodies = sim->def->body_count, vertices;
   if (what & VERTICES && sim->part_count > 1) {
     CLOTH_LAUNCH(sim, p, vertex_escape, p->v1 - p->v0, &a, err);
@@ -38,8 +38,9 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
     b = cloth_near_run(sim, b, false, &a.first, &vertices);
     CLOTH_LAUNCH(sim, p, vertex_escape, vertices, &a, err);
   }
-  if (what & WATCH) CLOTH_TRY(cloth_watch_count(sim, p, p->counter + CLOTH_COUNT_ESCAPED + 1, err));
-  return what & SQUARES ? cloth_flat_check(sim, p, p->counter + CLOTH_COUNT_ESCAPED, err)
+  if (what & WATCH)
+    CLOTH_TRY(cloth_watch_count(sim, p, cloth_counter(p, CLOTH_COUNT_ESCAPED) + 1, err));
+  return what & SQUARES ? cloth_flat_check(sim, p, cloth_counter(p, CLOTH_COUNT_ESCAPED), err)
                         : CLOTH_OK;
 }
 
@@ -52,7 +53,7 @@ static cloth_status escaped_any(cloth_sim *sim, int what, bool *escaped, bool *s
   for (int i = 0; i < sim->part_count && !*escaped; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count[2] = {0, 0};
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_ESCAPED, 2, count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_ESCAPED, count, err));
     *escaped = count[0] > 0, *strayed = *strayed || count[1] > 0;
   }
   return CLOTH_OK;

@@ -54,12 +54,15 @@ static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, uint32_t *count,
 {
   CLOTH_TRY(cloth_pairs_of_parts(sim, p, 1, 0, 0, CLOTH_PAIRS_TRIANGLES, err));
   for (;;) {
-    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_TANGLES, 1, err));
-    cloth_tangle_find_args a = {
-        cloth_contact_scene_of(sim, p),  p->pair, p->tangle_key, p->tangle_how, p->tangle_capacity,
-        p->counter + CLOTH_COUNT_TANGLES};
+    CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_TANGLES, err));
+    cloth_tangle_find_args a = {cloth_contact_scene_of(sim, p),
+                                p->pair,
+                                p->tangle_key,
+                                p->tangle_how,
+                                p->tangle_capacity,
+                                cloth_counter(p, CLOTH_COUNT_TANGLES)};
     CLOTH_LAUNCH(sim, p, tangle_find, p->pair_count, &a, err);
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_TANGLES, 1, count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_TANGLES, count, err));
     if (*count <= p->tangle_capacity) return CLOTH_OK;
     size_t n = *count; // too small: once more
     CLOTH_TRY(cloth_grow(sim, p, "tangle_key", 8 * n, &p->tangle_key, err));

@@ -63,9 +63,9 @@ static bool is_wanted(const cloth_sim *sim)
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   const cloth_watch *w = &sim->watch;
-  uint32_t *count = p->counter + CLOTH_COUNT_WATCH;
   double reach = MARGIN * sim->params.thickness + 3 * w->slack;
-  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_WATCH, 2, err));
+  CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_WATCH, err));
+  uint32_t *count = cloth_counter(p, CLOTH_COUNT_WATCH);
   CLOTH_TRY(cloth_watch_count(sim, p, count, err));
   cloth_watch_find_args a = {.scene = cloth_contact_scene_of(sim, p),
                              .x0 = p->watch_x0,
@@ -100,7 +100,7 @@ static cloth_status take(cloth_sim *sim, cloth_part *p, bool *useful, cloth_erro
 {
   for (;;) {
     uint32_t count[2];
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_WATCH, 2, count, err));
+    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_WATCH, count, err));
     if (count[0] > 0 || SHARE_MOST * (int64_t)count[1] > p->pair_count) *useful = false;
     p->watch_count = (int)count[1];
     if (!*useful || count[1] <= p->watch_capacity) return CLOTH_OK;

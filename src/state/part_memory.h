@@ -4,6 +4,7 @@
 
 #include "backend.h"
 #include "ccd/zones.h"
+#include "contact/count_place.h"
 #include "flat_patch.h"
 #include "hat.h"
 #include "hat_share.h"
@@ -112,7 +113,8 @@ typedef struct cloth_part {
   unsigned char *ghost_near;     // [chunks of triangles]
   cloth_real *ghost_box;         // [chunks x 6] m
   uint64_t *pair;
-  uint32_t *counter; // [14] small counts that the host reads
+  uint32_t *counter; // [CLOTH_COUNTS x CLOTH_COUNT_ROUNDS] what kernels count: contact/count.h
+  int counter_round[CLOTH_COUNTS]; // of each place, the one in use; later ones are zero
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
   uint64_t *close;     // of the pairs, those that may come to an impact: contact/close.h
@@ -176,7 +178,8 @@ typedef struct cloth_part {
   cloth_real *q;                // [n x 3], the part's own, with hats all
   cloth_real *inverse_diagonal; // [n x 6], likewise
   cloth_real *partial, *scalar;
-  cloth_real *terms;    // [3 groups + hat groups] sums of a solve in one kernel: pcg.h
+  cloth_real
+      *terms; // [2 x CLOTH_PCG_LANES + 3 groups + hat groups] sums of a solve in one kernel: pcg.h
   uint64_t *product_ns; // [1] time of the products, with the parameter profile
   cloth_real *slice, *factor, *inverse, *usable, *coarse_rest, *coarse; // coarse level, see pcg.h
   cloth_hats hats;                              // levels of the solver, see hat.h

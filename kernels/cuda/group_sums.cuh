@@ -67,7 +67,10 @@ static __device__ __forceinline__ cloth_real cloth_add_terms(cloth_real sum, con
   return sum;
 }
 
-/// r'z and r'r in two halves, because some terms come one barrier earlier than others.
+/// r'z and r'r in two halves, because some terms come one barrier earlier than others: all but a
+/// few. Those are added up, lane by lane, by a block for each sum, while others are at the hats'
+/// upper levels. (All blocks read all of them once: at four million triangles that was 80 KB each,
+/// and as long as the upper levels.)
 struct cloth_beta_sums {
   cloth_real of[2];
   int groups, early, all; // terms of r'r; those of r'z that are there early, all
@@ -79,14 +82,20 @@ struct cloth_beta_sums {
     early = !later ? 0 : groups + (a.v.hats.nodes > 0 ? cloth_hat_fine_groups(&a.v.hats) : 0);
   }
 
-  __device__ __forceinline__ void add_early(const cloth_pcg_terms &t)
+  /// Before the later barrier. The last blocks: the first ones have the upper levels.
+  __device__ __forceinline__ void add_early(const cloth_pcg_terms &t) const
   {
-    of[0] = cloth_add_terms(of[0], t.rz, 0, early);
-    if (early > 0) of[1] = cloth_add_terms(of[1], t.rr, 0, groups);
+    if (early == 0) return;
+    unsigned last = gridDim.x - 1, other = last > 0 ? last - 1 : 0;
+    if (blockIdx.x == last) t.lanes[threadIdx.x] = cloth_add_terms(0, t.rz, 0, early);
+    if (blockIdx.x == other)
+      t.lanes[CLOTH_PCG_LANES + threadIdx.x] = cloth_add_terms(0, t.rr, 0, groups);
   }
 
+  /// Behind it.
   __device__ __forceinline__ void add_rest(const cloth_pcg_terms &t)
   {
+    if (early > 0) of[0] = t.lanes[threadIdx.x], of[1] = t.lanes[CLOTH_PCG_LANES + threadIdx.x];
     of[0] = cloth_add_terms(of[0], t.rz, early, all);
     if (early == 0) of[1] = cloth_add_terms(of[1], t.rr, 0, groups);
   }

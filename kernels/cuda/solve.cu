@@ -142,9 +142,8 @@ __device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, shar
     }
   }
   cloth_beta_sums sums(a, a.v.coarse || h->nodes > 0);
-  g.arrive();
   sums.add_early(a.terms);
-  g.wait();
+  g.sync();
   sums.add_rest(a.terms);
   cloth_block_beta(a, start, sums, room->scalar, room->lanes);
   if (room->scalar[CLOTH_PCG_DONE] > 0) return;

@@ -301,14 +301,10 @@ __device__ bool turn(grid &g, int k, shared_room *room)
     barrier(g);
     correct_coarsely(a);
   }
-  cloth_beta_sums sums(a, true); // only those of the hats' upper levels are not there yet
-  if (hats || a.v.coarse) {
-    arrive(g);
-    sums.add_early(a.terms);
-    wait(g);
-  } else {
-    sums.add_early(a.terms);
-  }
+  cloth_beta_sums sums(a, hats ||
+                              a.v.coarse); // only those of the hats' upper levels are not there yet
+  sums.add_early(a.terms);
+  if (hats || a.v.coarse) barrier(g);
   sums.add_rest(a.terms);
   cloth_block_beta(a, k == 0, sums, room->scalar, room->lanes);
   if (room->scalar[CLOTH_PCG_DONE] > 0) return false;

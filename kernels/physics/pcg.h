@@ -20,6 +20,7 @@ enum {
   CLOTH_PCG_ITERATIONS,
   CLOTH_PCG_RESIDUAL, // r'r of the true residual at the end
   CLOTH_PCG_LARGEST,  // m, largest correction of a vertex
+  CLOTH_PCG_LEFT,     // m, how far the solve leaves a vertex from its place: pcg_residual.h
   CLOTH_PCG_LOST,     // 1: another part did not answer (pcg_part.h)
   CLOTH_PCG_SCALARS
 };
@@ -146,16 +147,18 @@ CLOTH_FN cloth_real cloth_terms_sum(const cloth_real *term, int terms)
 }
 
 /// Terms side by side, of a solve in one kernel: p'q, r'r [groups], r'z [groups, then those of
-/// hat_rest.h].
+/// hat_rest.h]; room for the sums of lanes of two of them.
 typedef struct cloth_pcg_terms {
-  cloth_real *pq, *rr, *rz;
+  cloth_real *lanes, *pq, *rr, *rz;
 } cloth_pcg_terms;
 
-/// Where they are in an array of 3 groups + hat groups.
+/// Where they are in an array of 2 x CLOTH_PCG_LANES + 3 groups + hat groups.
 CLOTH_FN cloth_pcg_terms cloth_pcg_terms_at(cloth_real *terms, int chunks)
 {
   int groups = cloth_chunk_groups(chunks);
-  cloth_pcg_terms t = {terms, terms + groups, terms + 2 * (int64_t)groups};
+  cloth_pcg_terms t;
+  t.lanes = terms, t.pq = terms + 2 * CLOTH_PCG_LANES;
+  t.rr = t.pq + groups, t.rz = t.rr + groups;
   return t;
 }
 

@@ -68,7 +68,7 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_own(sim, p, "inverse_diagonal", CLOTH_CHUNK, 6, &p->inverse_diagonal, err));
   int sums = 2 * sim->chunks + sim->hat_groups; // some for z, others for the product
   CLOTH_TRY(take_reals(sim, p, "partial", sums, CLOTH_PCG_PARTIALS, &p->partial, err));
-  sums = 3 * cloth_chunk_groups(sim->chunks) + sim->hat_groups;
+  sums = 2 * CLOTH_PCG_LANES + 3 * cloth_chunk_groups(sim->chunks) + sim->hat_groups;
   CLOTH_TRY(take_reals(sim, p, "terms", sums, 1, &p->terms, err));
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(cloth_take(sim, p, "product_ns", sizeof(uint64_t), &p->product_ns, err));
@@ -110,7 +110,10 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
                          (size_t)(sim->all_vertices - sim->vertex_count), &p->vertex_flat, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
-  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * CLOTH_COUNTS, &p->counter, err));
+  CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * CLOTH_COUNTS * CLOTH_COUNT_ROUNDS,
+                       &p->counter, err));
+  CLOTH_TRY(sim->backend->fill(p->device, p->counter, 0,
+                               sizeof(uint32_t) * CLOTH_COUNTS * CLOTH_COUNT_ROUNDS, err));
   int *number = malloc(sizeof(int) * (n + (size_t)sim->all_vertices + 1));
   if (number == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "contact");
   for (int c = 0; c < sim->def->cloth_count; c++)

@@ -10,19 +10,19 @@
 cloth_status cloth_commit_sums(cloth_sim *sim, bool *good, cloth_change *change, cloth_error *err)
 {
   size_t n = CLOTH_COMMIT_FIELDS * (size_t)sim->chunks;
-  double worst = 0, speed = 0, energy = 0, drift = 0;
+  double worst = 0, speed = 0, largest = 0, energy = 0, drift = 0;
   CLOTH_TRY(cloth_staging(sim, n, err));
   CLOTH_TRY(sim->backend->read(sim->part[0].device, sim->host, sim->part[0].commit,
                                sizeof(cloth_real) * n, err));
-  change->largest = 0;
-  for (int c = 0; c < sim->chunks && worst <= sim->params.bounds; c++) {
+  for (int c = 0; c < sim->chunks && worst <= sim->params.bounds; c++) { // no calls: they are many
     const cloth_real *f = sim->host + CLOTH_COMMIT_FIELDS * c;
     if (!((double)f[CLOTH_COMMIT_WORST] <= worst)) worst = (double)f[CLOTH_COMMIT_WORST];
-    speed = fmax(speed, (double)f[CLOTH_COMMIT_SPEED]);
+    if ((double)f[CLOTH_COMMIT_SPEED] > speed) speed = (double)f[CLOTH_COMMIT_SPEED];
+    if ((double)f[CLOTH_COMMIT_CHANGE] > largest) largest = (double)f[CLOTH_COMMIT_CHANGE];
     energy += (double)f[CLOTH_COMMIT_ENERGY];
     drift += (double)f[CLOTH_COMMIT_DRIFT];
-    change->largest = fmax(change->largest, (double)f[CLOTH_COMMIT_CHANGE]);
   }
+  change->largest = largest;
   change->mean = sqrt(drift / sim->mass_total);
   *good = worst <= sim->params.bounds;
   sim->report->speed_max = sim->speed_last = speed;

@@ -251,8 +251,13 @@ CLOTH_FN int cloth_contact_strayed(const cloth_contact_scene *s, const cloth_con
   return tangled[0] && tangled[1] && (stray || cloth_contact_touches(s, g));
 }
 
+#define CLOTH_CONTACT_FINEST (cloth_real)1e-3 // of the thickness
+
 /// The distance that this pair keeps [m]: the thickness, or less where the cloth's own mesh is
-/// finer than that, so that neighbours at rest do not push each other apart.
+/// finer than that, so that neighbours at rest do not push each other apart. What coincides at rest
+/// keeps some. (A twentieth of the thickness was too much: of a triangle with edges of 1e-6 m the
+/// corners were pushed apart to 75 times their distance, and the membrane's force grows by its
+/// cube.)
 CLOTH_FN cloth_real cloth_contact_thickness(const cloth_contact_scene *s,
                                             const cloth_contact_geometry *g)
 {
@@ -265,7 +270,7 @@ CLOTH_FN cloth_real cloth_contact_thickness(const cloth_contact_scene *s,
   }
   cloth_contact_geometry rest = *g;
   cloth_contact_measure(s->rest, &rest);
-  cloth_real t = rest.distance * (cloth_real)0.7, least = s->thickness * (cloth_real)0.05;
+  cloth_real t = rest.distance * (cloth_real)0.7, least = s->thickness * CLOTH_CONTACT_FINEST;
   return t < least ? least : t < s->thickness ? t : s->thickness;
 }
 

@@ -91,11 +91,12 @@ static int key_bits(const cloth_grid *g)
 static cloth_status grow_cells(cloth_sim *sim, cloth_part *p, size_t entries, cloth_error *err)
 {
   if (entries <= p->cell_capacity) return CLOTH_OK;
-  CLOTH_TRY(cloth_grow(sim, p, "cell_key", 8 * entries, &p->cell_key, err));
-  CLOTH_TRY(cloth_grow(sim, p, "cell_key_spare", 8 * entries, &p->cell_key_spare, err));
-  CLOTH_TRY(cloth_grow(sim, p, "cell_triangle", 4 * entries, &p->cell_triangle, err));
-  CLOTH_TRY(cloth_grow(sim, p, "cell_triangle_spare", 4 * entries, &p->cell_triangle_spare, err));
-  CLOTH_TRY(cloth_grow(sim, p, "work", 4 * (entries + 1), &p->work, err));
+  CLOTH_TRY(cloth_grow_little(sim, p, "cell_key", 8 * entries, &p->cell_key, err));
+  CLOTH_TRY(cloth_grow_little(sim, p, "cell_key_spare", 8 * entries, &p->cell_key_spare, err));
+  CLOTH_TRY(cloth_grow_little(sim, p, "cell_triangle", 4 * entries, &p->cell_triangle, err));
+  CLOTH_TRY(
+      cloth_grow_little(sim, p, "cell_triangle_spare", 4 * entries, &p->cell_triangle_spare, err));
+  CLOTH_TRY(cloth_grow_little(sim, p, "work", 4 * (entries + 1), &p->work, err));
   p->cell_capacity = (uint32_t)entries;
   return CLOTH_OK;
 }

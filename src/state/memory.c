@@ -39,8 +39,9 @@ static void forget(cloth_sim *sim, cloth_part *part, int i)
   part->block[i] = part->block[--part->block_count];
 }
 
-cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
-                        void *data, cloth_error *err)
+// at least `bytes`; if it must be taken anew, `taken`
+static cloth_status grow(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                         size_t taken, void *data, cloth_error *err)
 {
   void *old;
   memcpy(&old, data, sizeof old);
@@ -54,7 +55,19 @@ cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size
   }
   old = NULL;
   memcpy(data, &old, sizeof old);
-  return cloth_take(sim, part, name, bytes + bytes / 2, data, err);
+  return cloth_take(sim, part, name, taken, data, err);
+}
+
+cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                        void *data, cloth_error *err)
+{
+  return grow(sim, part, name, bytes, bytes + bytes / 2, data, err);
+}
+
+cloth_status cloth_grow_little(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                               void *data, cloth_error *err)
+{
+  return grow(sim, part, name, bytes, bytes + bytes / 8, data, err);
 }
 
 cloth_status cloth_extend(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,

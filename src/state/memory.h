@@ -14,6 +14,10 @@ cloth_status cloth_take(cloth_sim *sim, cloth_part *part, const char *name, size
 cloth_status cloth_grow(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
                         void *data, cloth_error *err);
 
+/// As cloth_grow(), by an eighth: for what is large and hardly changes.
+cloth_status cloth_grow_little(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
+                               void *data, cloth_error *err);
+
 /// As cloth_grow(), but the first `kept` bytes stay.
 cloth_status cloth_extend(cloth_sim *sim, cloth_part *part, const char *name, size_t bytes,
                           size_t kept, void *data, cloth_error *err);

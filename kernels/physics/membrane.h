@@ -14,6 +14,11 @@
 //
 // A strain limit (membrane_limit.h) adds its own stress and tangent.
 //
+// The force of this energy grows by the cube of the stretch. Where a tiny triangle is torn to a
+// hundred times its size, because an impact moves one of its corners, that is no cloth's answer but
+// a number that throws everything: beyond a stretch of four the stiffness falls by its square, so
+// that stress stays and the force grows in proportion (cloth_membrane_far).
+//
 // Sources: B. Thomaszewski,
 // S. Pabst, W. Strasser, Continuum-based Strain Limiting, 2009 (triangle with Green strain in
 // material axes); J. Teran, E. Sifakis, G. Irving, R. Fedkiw, Robust Quasistatic Finite Elements
@@ -103,6 +108,16 @@ CLOTH_FN void cloth_membrane_measured(cloth_membrane_sym2 g, const cloth_real *t
   c[1] = c[1] < limit ? c[1] : limit;
   c[1] = c[1] > -limit ? c[1] : -limit;
   c[3] = c[3] > 0 ? c[3] : 0;
+}
+
+#define CLOTH_MEMBRANE_FAR (cloth_real)8 // mean of the squared stretches along warp and weft
+
+/// The share of the stiffness that is left at a strain: 1 up to a stretch of four in one direction.
+/// As with measured fabrics the tangent takes it as constant.
+CLOTH_FN cloth_real cloth_membrane_far(cloth_membrane_sym2 g)
+{
+  cloth_real stretch_sq = 1 + g.warp + g.weft;
+  return stretch_sq > CLOTH_MEMBRANE_FAR ? CLOTH_MEMBRANE_FAR / stretch_sq : 1;
 }
 
 // Energy of one triangle [J], without damping. Not called by the solver; the tests differentiate
@@ -199,6 +214,9 @@ CLOTH_FN void cloth_membrane(int i, const cloth_membrane_args *a)
     cloth_membrane_measured(g, table, measured);
     c = measured;
   }
+  cloth_real far = cloth_membrane_far(g), soft[4];
+  for (int k = 0; k < 4; k++) soft[k] = far * c[k];
+  if (far < 1) c = soft;
   cloth_limit_state limit;
   const cloth_real strain[3] = {g.warp, g.weft, g.shear};
   int limited = a->limit && cloth_limit_find(strain, a->limit + 2 * a->material[i], &limit);

@@ -97,6 +97,10 @@ def cloths(r, thickness, time):
     return out, fastest, area
 
 
+# failed once, each for another reason (doc/stability.md): the tests run them too
+ONCE_FAILED = (188, 588, 612, 662, 794, 889)
+
+
 def entry_of(seed):
     """The random scene of this number, as an entry of the catalogue."""
     r = Draw(seed)

@@ -128,7 +128,10 @@ def tasks_of(arguments):
     if arguments.seed is not None:
         entries = [random_scene.entry_of(arguments.seed)]
     elif arguments.seeds:
-        entries = entries + [random_scene.entry_of(seed) for seed in range(arguments.seeds)]
+        seeds = list(range(arguments.seeds))
+        if arguments.quick:
+            seeds += [seed for seed in random_scene.ONCE_FAILED if seed not in seeds]
+        entries = entries + [random_scene.entry_of(seed) for seed in seeds]
     if arguments.only:
         entries = [entry for entry in entries if any(word in entry.name for word in arguments.only)]
     tasks = [Task(entry, case, precision) for entry in entries for case in entry.cases for precision in case.precisions]

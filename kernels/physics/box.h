@@ -9,10 +9,14 @@ typedef struct cloth_box {
 
 CLOTH_FN cloth_box cloth_box_load(const cloth_real *a, int i)
 {
+  cloth_box b;
+#ifdef __CUDA_ARCH__
   cloth_real v[6];
   for (int k = 0; k < 3; k++) cloth_load2(a + 6 * i + 2 * k, v + 2 * k);
-  cloth_box b;
   b.lo = cloth_v3_make(v[0], v[1], v[2]), b.hi = cloth_v3_make(v[3], v[4], v[5]);
+#else
+  b.lo = cloth_v3_load(a, 2 * i), b.hi = cloth_v3_load(a, 2 * i + 1);
+#endif
   return b;
 }
 

@@ -33,6 +33,46 @@ CLOTH_FN int cloth_pair_mine(const cloth_pair_mesh *m, int v)
   return v >= m->first && v < m->last;
 }
 
+// bits 0..2: which corners of ta may touch tb
+CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb)
+{
+  const int *va = m->triangle + 3 * ta, *vb = m->triangle + 3 * tb;
+  cloth_box face = cloth_box_load(m->box, tb);
+  int mine = cloth_pair_mine(m, vb[0]) || cloth_pair_mine(m, vb[1]) || cloth_pair_mine(m, vb[2]);
+  uint32_t bits = 0;
+  for (int k = 0; k < 3; k++) {
+    int v = va[k];
+    if (!(m->owns[ta] >> k & 1) || v == vb[0] || v == vb[1] || v == vb[2]) continue;
+    if (!mine && !cloth_pair_mine(m, v)) continue;
+    if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, m->gap)) bits |= 1u << k;
+  }
+  return bits;
+}
+
+// bit 3 i + k: edge i of ta may touch edge k of tb
+CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
+{
+  uint32_t bits = 0;
+  for (int i = 0; i < 3; i++) {
+    if (!(m->owns[ta] >> (3 + i) & 1)) continue;
+    int ea = m->triangle_edge[3 * ta + i], a0 = m->edge[2 * ea], a1 = m->edge[2 * ea + 1];
+    cloth_box box =
+        cloth_box_union(cloth_box_load(m->vertex_box, a0), cloth_box_load(m->vertex_box, a1));
+    for (int k = 0; k < 3; k++) {
+      if (!(m->owns[tb] >> (3 + k) & 1)) continue;
+      int eb = m->triangle_edge[3 * tb + k], b0 = m->edge[2 * eb], b1 = m->edge[2 * eb + 1];
+      if (a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1) continue;
+      if (!cloth_pair_mine(m, a0) && !cloth_pair_mine(m, a1) && !cloth_pair_mine(m, b0) &&
+          !cloth_pair_mine(m, b1))
+        continue;
+      cloth_box other =
+          cloth_box_union(cloth_box_load(m->vertex_box, b0), cloth_box_load(m->vertex_box, b1));
+      if (cloth_box_near(box, other, m->gap)) bits |= 1u << (3 * i + k);
+    }
+  }
+  return bits;
+}
+
 // Boxes say little of triangles that lie slanted in layers: those are told apart by the planes of
 // their faces. Which corners of `other` stay on one side of all that `face` may reach, farther than
 // the gap: bits 0..2 above, 3..5 below.
@@ -70,6 +110,16 @@ CLOTH_FN uint32_t cloth_pair_sides(const cloth_pair_mesh *m, int face, int other
   return bits;
 }
 
+// May a face's plane tell more than its box? Not where it lies along an axis, as on a table: then
+// its box is hardly thicker than what one corner may reach.
+CLOTH_FN int cloth_pair_slants(const cloth_pair_mesh *m, int face)
+{
+  cloth_box all = cloth_box_load(m->box, face);
+  cloth_box corner = cloth_box_load(m->vertex_box, m->triangle[3 * face]);
+  cloth_v3 extent = cloth_v3_sub(cloth_v3_sub(all.hi, corner.hi), cloth_v3_sub(all.lo, corner.lo));
+  return extent.x > m->gap && extent.y > m->gap && extent.z > m->gap;
+}
+
 // is the corner, are both ends of the edge, on one side?
 CLOTH_FN int cloth_pair_corner_apart(uint32_t sides, int k)
 {
@@ -82,45 +132,16 @@ CLOTH_FN int cloth_pair_edge_apart(uint32_t sides, int k)
   return (sides & ends) == ends || (sides >> 3 & ends) == ends;
 }
 
-// bits 0..2: which corners of ta may touch tb; sides: of ta's corners by tb
-CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int tb, uint32_t sides)
+// `bits` of cloth_pair_bits() without what the planes of the two faces tell apart
+CLOTH_FN uint32_t cloth_pair_by_planes(const cloth_pair_mesh *m, int ta, int tb, uint32_t bits)
 {
-  const int *va = m->triangle + 3 * ta, *vb = m->triangle + 3 * tb;
-  cloth_box face = cloth_box_load(m->box, tb);
-  int mine = cloth_pair_mine(m, vb[0]) || cloth_pair_mine(m, vb[1]) || cloth_pair_mine(m, vb[2]);
-  uint32_t bits = 0;
+  uint32_t sides_a = cloth_pair_slants(m, tb) ? cloth_pair_sides(m, tb, ta) : 0;
+  uint32_t sides_b = cloth_pair_slants(m, ta) ? cloth_pair_sides(m, ta, tb) : 0;
   for (int k = 0; k < 3; k++) {
-    int v = va[k];
-    if (!(m->owns[ta] >> k & 1) || v == vb[0] || v == vb[1] || v == vb[2]) continue;
-    if (cloth_pair_corner_apart(sides, k)) continue;
-    if (!mine && !cloth_pair_mine(m, v)) continue;
-    if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, m->gap)) bits |= 1u << k;
-  }
-  return bits;
-}
-
-// bit 3 i + k: edge i of ta may touch edge k of tb; sides: of ta's corners by tb, of tb's by ta
-CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb, uint32_t sides_a,
-                                   uint32_t sides_b)
-{
-  uint32_t bits = 0;
-  CLOTH_ROLLED for (int i = 0; i < 3; i++)
-  {
-    if (!(m->owns[ta] >> (3 + i) & 1) || cloth_pair_edge_apart(sides_a, i)) continue;
-    int ea = m->triangle_edge[3 * ta + i], a0 = m->edge[2 * ea], a1 = m->edge[2 * ea + 1];
-    cloth_box box =
-        cloth_box_union(cloth_box_load(m->vertex_box, a0), cloth_box_load(m->vertex_box, a1));
-    for (int k = 0; k < 3; k++) {
-      if (!(m->owns[tb] >> (3 + k) & 1) || cloth_pair_edge_apart(sides_b, k)) continue;
-      int eb = m->triangle_edge[3 * tb + k], b0 = m->edge[2 * eb], b1 = m->edge[2 * eb + 1];
-      if (a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1) continue;
-      if (!cloth_pair_mine(m, a0) && !cloth_pair_mine(m, a1) && !cloth_pair_mine(m, b0) &&
-          !cloth_pair_mine(m, b1))
-        continue;
-      cloth_box other =
-          cloth_box_union(cloth_box_load(m->vertex_box, b0), cloth_box_load(m->vertex_box, b1));
-      if (cloth_box_near(box, other, m->gap)) bits |= 1u << (3 * i + k);
-    }
+    if (cloth_pair_corner_apart(sides_a, k)) bits &= ~(1u << k);
+    if (cloth_pair_corner_apart(sides_b, k)) bits &= ~(8u << k);
+    if (cloth_pair_edge_apart(sides_a, k)) bits &= ~(7u << (6 + 3 * k));
+    if (cloth_pair_edge_apart(sides_b, k)) bits &= ~(0x49u << (6 + k));
   }
   return bits;
 }
@@ -133,12 +154,9 @@ CLOTH_FN uint32_t cloth_pair_bits(const cloth_pair_mesh *m, int ta, int tb)
   if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return 0;
   if (m->triangles_only) // counted by the part of the lower one's first corner
     return (uint32_t)cloth_pair_mine(m, m->triangle[3 * (ta < tb ? ta : tb)]);
-  uint32_t sides_b = cloth_pair_sides(m, ta, tb);
-  if ((sides_b & 7) == 7 || sides_b >> 3 == 7) return 0;
-  uint32_t sides_a = cloth_pair_sides(m, tb, ta);
-  return cloth_pair_vertices_face(m, ta, tb, sides_a) |
-         cloth_pair_vertices_face(m, tb, ta, sides_b) << 3 |
-         cloth_pair_edges(m, ta, tb, sides_a, sides_b) << 6;
+  uint32_t bits = cloth_pair_vertices_face(m, ta, tb) | cloth_pair_vertices_face(m, tb, ta) << 3 |
+                  cloth_pair_edges(m, ta, tb) << 6;
+  return bits ? cloth_pair_by_planes(m, ta, tb, bits) : 0;
 }
 
 /// The pair that a bit stands for.

@@ -96,11 +96,11 @@ CLOTH_FN void cloth_contact_build(int i, const cloth_contact_build_args *a)
   a->distance[i] = d;
   a->thickness[i] = t;
 
-  int counts = inverse_mass > 0 && !replaced;
+  int counts = inverse_mass > 0 && !replaced, body = cloth_contact_body(s, &g);
   cloth_real k = counts ? a->stiffness * a->inverse_step * a->inverse_step / inverse_mass : 0;
   a->inertia[i] = k / a->stiffness;
+  if (pulls && body >= 0) k *= CLOTH_PULL_BODY_STIFFER;
   a->k[i] = counts ? k * cloth_contact_stiffer(i, a) : 0;
-  int body = cloth_contact_body(s, &g);
   int relieved = !pulls && !(cloth_contact_pushed(s, &g) > t * CLOTH_CONTACT_PUSHED);
   a->relief[i] = relieved ? cloth_contact_relief(a->k[i], t, d, a->share) : 0;
   a->mu[i] = pulls ? 0 : body >= 0 ? s->body_friction[body] : s->friction;

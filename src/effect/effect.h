@@ -45,3 +45,13 @@ cloth_status cloth_effects_prepare(cloth_sim *sim, cloth_part *part, cloth_error
 
 /// Switch on an effect that a running scene came to need (the first grasp).
 void cloth_effect_activate(cloth_sim *sim, cloth_effect_index effect, const char *why);
+
+enum { CLOTH_MATERIAL_ROW = 24 }; // most numbers of a row
+
+/// A row [width] of each cloth, made of its material, to a part: *out [cloths x width].
+cloth_status cloth_upload_materials(cloth_sim *sim, cloth_part *part, const char *name, int width,
+                                    void (*row)(const cloth_material *m, double *out),
+                                    cloth_real **out, cloth_error *err);
+
+/// Factor on the mean wind at a time [s].
+double cloth_gust(const cloth_params *params, double time);

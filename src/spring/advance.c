@@ -78,9 +78,8 @@ static const cloth_real *wind_of(cloth_sim *sim, const cloth_spring_frame *f, in
   bool gusts = sim->active[CLOTH_EFFECT_air] && q->gust > 0;
   for (int c = 0; c < 3; c++) mean[c] = (cloth_real)q->wind[c];
   for (int k = 0; k < end - begin && gusts; k++) {
-    double t = sim->time + cloth_spring_time(f, begin + k);
-    double share = 1 + q->gust * sin(2 * 3.14159265358979323846 * t / q->gust_period);
-    for (int c = 0; c < 3; c++) sim->springs.wind[3 * k + c] = (cloth_real)(share * q->wind[c]);
+    double gust = cloth_gust(q, sim->time + cloth_spring_time(f, begin + k));
+    for (int c = 0; c < 3; c++) sim->springs.wind[3 * k + c] = (cloth_real)(gust * q->wind[c]);
   }
   return gusts ? sim->springs.wind : NULL;
 }

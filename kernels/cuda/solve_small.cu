@@ -4,10 +4,10 @@
 // other residuals, sums of the first level of hats, directions and products. Everything between
 // is done by every block for itself, in one order, which is quicker than to wait for one: scalars,
 // the upper levels of hats, the right-hand side of the coarse level.
+#include "barrier.cuh"
 #include "launch.h"
 #include "small_room.cuh"
 #include "stopwatch.cuh"
-#include "together.cuh"
 
 namespace {
 
@@ -96,7 +96,7 @@ struct worker {
 
   // ---- an iteration -----------------------------------------------------------------------------
 
-  __device__ static void meet() { cloth_together_cluster().sync(); }
+  __device__ static void meet() { cloth_cluster_barrier().sync(); }
 
   // r = of(k), z, and the sums of the block's chunks
   template <typename Row> __device__ void residuals(Row of)

@@ -139,8 +139,8 @@ static cloth_status run_each(cloth_sim *sim, const cloth_spring_frame *f, int be
     for (int i = 0; i < sim->part_count; i++) {
       cloth_part *p = &sim->part[i];
       cloth_spring_step_args a = block[i].step;
-      cloth_spring_told told = cloth_spring_told_at(&block[i], k);
-      cloth_spring_tell(&block[i], k, &told, &a);
+      cloth_spring_inputs inputs = cloth_spring_inputs_at(&block[i], k);
+      cloth_spring_inputs_set(&block[i], k, &inputs, &a);
       a.x = p->x_t0, a.v = p->v, a.x_next = p->x, a.v_next = p->v_next;
       CLOTH_LAUNCH(sim, p, spring_step, p->v1 - p->v0, &a, err);
     }

@@ -104,8 +104,9 @@ static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
   CLOTH_TRY(
       cloth_take(sim, part, "tangent", sizeof(cloth_real) * 45 * n, &part->membrane_tangent, err));
   CLOTH_TRY(cloth_take(sim, part, "stretch", sizeof(cloth_real) * n, &part->stretch, err));
-  return cloth_take(sim, part, "stretch_largest", sizeof(cloth_real) * (n / 63 + 8),
-                    &part->stretch_largest, err);
+  return cloth_take(sim, part, "stretch_largest",
+                    sizeof(cloth_real) * (size_t)cloth_chunk_levels((int)n), &part->stretch_largest,
+                    err);
 }
 
 static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)

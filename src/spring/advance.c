@@ -293,6 +293,8 @@ static cloth_status run_all(cloth_sim *sim, cloth_spring_frame *f, totals *t, cl
   return CLOTH_OK;
 }
 
+#define MEAN_MOST 1e3 // m/s; a mean beyond it, as NaN, is none to go on from
+
 static void commit(cloth_sim *sim, double h, const totals *t, bool *good)
 {
   cloth_springs *s = &sim->springs;
@@ -300,7 +302,7 @@ static void commit(cloth_sim *sim, double h, const totals *t, bool *good)
   *good = t->worst <= sim->params.bounds;
   for (int c = 0; c < 3; c++) {
     double mean = t->sum[VELOCITY + c] / sim->vertex_count;
-    bool usable = fabs(mean) < 1e3; // false for NaN
+    bool usable = fabs(mean) < MEAN_MOST;
     s->mean_change[c] = usable ? (mean - s->mean[c]) / h : 0;
     s->mean[c] = usable ? mean : 0;
   }

@@ -4,6 +4,7 @@
 
 #include "backend.h"
 #include "ccd/zones.h"
+#include "chunk.h"
 #include "contact/count_place.h"
 #include "flat_patch.h"
 #include "hat.h"
@@ -201,4 +202,7 @@ typedef struct cloth_part {
 } cloth_part;
 
 /// Rows of chunks that a part owns.
-static inline int cloth_part_chunks(const cloth_part *p) { return (p->v1 - p->v0 + 63) / 64; }
+static inline int cloth_part_chunks(const cloth_part *p)
+{
+  return (p->v1 - p->v0 + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+}

@@ -2,7 +2,6 @@
 // which it runs, with the file that holds it (the list is stages.inl).
 #include "substep.h"
 
-#include "chunk.h"
 #include "contact/contact.h"
 #include "contact/friction.h"
 #include "effect/effect.h"

@@ -1,7 +1,6 @@
 #include "state/control.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { PARTS_MOST = 100, CUT_MOST = 8, GROWTH_MOST = 4 };
 

@@ -12,7 +12,6 @@
 #include "state/flight.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 // coarser levels are worth it when there is something stiff to solve and more than a patch of it
 bool cloth_has_coarser_levels(const cloth_sim *sim)

@@ -115,7 +115,7 @@ typedef struct cloth_part {
   cloth_real *ghost_box;         // [chunks x 6] m
   uint64_t *pair;
   uint32_t *counter; // [CLOTH_COUNTS x CLOTH_COUNT_ROUNDS] what kernels count: contact/count.h
-  int counter_round[CLOTH_COUNTS]; // of each place, the one in use; later ones are zero
+  int counter_round[CLOTH_COUNTS]; // of each place, the word in use; later ones are zero
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
   uint64_t *close;     // of the pairs, those that may come to an impact: contact/close.h

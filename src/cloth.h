@@ -68,7 +68,7 @@ typedef struct cloth_cloth_view {
 } cloth_cloth_view;
 
 /// What a body's mesh stands for. The integrator mass_spring collides with these shapes and refuses
-/// CLOTH_SHAPE_MESH; backward_euler collides with the mesh (a plane's reaches 50 m).
+/// CLOTH_SHAPE_MESH; the others collide with the mesh (a plane's reaches 50 m).
 typedef enum cloth_shape {
   CLOTH_SHAPE_MESH,     // nothing but itself
   CLOTH_SHAPE_BOX,      // size: edge lengths x, y, z
@@ -77,7 +77,7 @@ typedef enum cloth_shape {
   CLOTH_SHAPE_PLANE,    // z <= 0 is solid
 } cloth_shape;
 
-/// One rigid body that moves as told and is never moved by cloth: a robot link, a table.
+/// One rigid body: it goes where it is moved to, and is never moved by cloth. A robot link, a table.
 typedef struct cloth_body_view {
   const char *name;
   cloth_mesh_view mesh; // material is ignored
@@ -121,9 +121,10 @@ void cloth_def_free(cloth_def *def);
 cloth_params *cloth_def_params(cloth_def *def);
 
 /// Set one setting from text, as a command line or a ROS parameter would: any name of params.inl, or
-/// "backend" (auto, cpu, cuda, shuffle), "precision" (float, double), "devices" ("cpu,cpu,cpu": one part
-/// each; "mpi": one for each process of `cloth run`), "effects.NAME" (auto, on, off). A vector is "0 0 -9.81". Unknown names are refused and the
-/// nearest match is named. CLOTH_BAD_ARGUMENT; nothing changed on failure.
+/// "backend" (auto, cpu, cuda, shuffle), "precision" (float, double), "devices" ("cpu,cpu,cpu": one
+/// part each; "mpi": one for each process of `cloth run`), "effects.NAME" (auto, on, off). A vector
+/// is "0 0 -9.81". CLOTH_BAD_ARGUMENT with the range, or with the nearest name where there is no
+/// such; nothing changed on failure.
 cloth_status cloth_def_set(cloth_def *def, const char *name, const char *value, cloth_error *err);
 
 /// Add a cloth, a body; `index` (nullable) receives its index. Copies everything. Refuses meshes with
@@ -190,6 +191,9 @@ double cloth_time(const cloth_scene *scene);
 
 // ---- what is in it ------------------------------------------------------------------------------
 
+// Cloths and bodies are numbered from 0 in the order in which they were added. Of an index that is
+// out of range names and arrays are NULL, counts 0 and poses the identity.
+
 int cloth_count(const cloth_scene *scene);
 int cloth_find(const cloth_scene *scene, const char *name); // index, or -1
 const char *cloth_name(const cloth_scene *scene, int cloth);
@@ -218,6 +222,8 @@ typedef struct cloth_effect_info {
 } cloth_effect_info;
 
 int cloth_effect_count(void);
+
+/// Effect `effect` in [0, cloth_effect_count()) of a scene. CLOTH_BAD_ARGUMENT: there is no such.
 cloth_status cloth_effect_describe(const cloth_scene *scene, int effect, cloth_effect_info *out,
                                    cloth_error *err);
 
@@ -251,12 +257,14 @@ cloth_status cloth_state_load(cloth_scene *scene, const char *path, cloth_error 
 // ---- bodies and grasps --------------------------------------------------------------------------
 
 /// Where the body is to be at the end of the next step; it gets there on a straight line and the
-/// shorter rotation. Farther than the parameter teleport_distance, or more than a quarter turn, is no
-/// motion: then the body is placed there when the step begins. The quaternion is normalised. CLOTH_BAD_ARGUMENT if not finite.
+/// shorter rotation. Farther than the parameter teleport_distance, or more than a quarter turn, is
+/// no motion: then the body is placed there when the step begins. The quaternion is normalised; its
+/// length must be in (1e-3, 1e3), coordinates in [-1e6, 1e6] m. CLOTH_BAD_ARGUMENT otherwise, or if
+/// there is no such body; nothing changed then.
 cloth_status cloth_body_move(cloth_scene *scene, int body, const cloth_pose *pose, cloth_error *err);
 
 /// Put the body there at once, with no sweep in between. Cloth that it lands in is worked out of it
-/// over the next steps, whatever the parameter `untangle` says.
+/// over the next steps, whatever the parameter `untangle` says. Refused as cloth_body_move() is.
 cloth_status cloth_body_place(cloth_scene *scene, int body, const cloth_pose *pose, cloth_error *err);
 
 /// A hold on some vertices of a cloth. Zero is no grasp. A handle outlives what it names: using one
@@ -273,7 +281,7 @@ typedef struct cloth_grasp_view {
   const int *vertex;     // [count]
   int body;              // the vertices follow this body; -1: they follow `frame`
   cloth_pose frame;      // used when body is -1; moved by cloth_grasp_move()
-  double stiffness;      // N/m per vertex; 0: rigid (exact)
+  double stiffness;      // N/m per vertex, in [0, 1e9]; 0: rigid (exact)
   double break_force;    // N; 0: never lets go by itself
   int ignore_count;
   const int *ignore_body; // [ignore_count] bodies (finger links) whose contacts with held vertices are off
@@ -285,18 +293,19 @@ typedef struct cloth_grasp_view {
 cloth_status cloth_grasp(cloth_scene *scene, const cloth_grasp_view *grasp, cloth_grasp_id *out,
                          cloth_error *err);
 
-/// Where the frame is to be at the end of the next step (grasps with body -1).
+/// Where the frame is to be at the end of the next step (grasps with body -1). CLOTH_BAD_ARGUMENT: it
+/// does not hold any more, it follows a body, or the pose is refused as in cloth_body_move().
 cloth_status cloth_grasp_move(cloth_scene *scene, cloth_grasp_id id, const cloth_pose *frame,
                               cloth_error *err);
 
-/// Let go. The vertices keep their velocity.
+/// Let go. The vertices keep their velocity. CLOTH_BAD_ARGUMENT: it does not hold any more.
 cloth_status cloth_grasp_release(cloth_scene *scene, cloth_grasp_id id, cloth_error *err);
 
 /// Does it still hold? false after release, break or reset.
 bool cloth_grasp_alive(const cloth_scene *scene, cloth_grasp_id id);
 
 /// What the gripper exerted on the cloth in the last step: force [3] N and torque [3] N m about the
-/// origin of the body or frame, in the scene frame.
+/// origin of the body or frame, in the scene frame. CLOTH_BAD_ARGUMENT: it does not hold any more.
 cloth_status cloth_grasp_wrench(const cloth_scene *scene, cloth_grasp_id id, double force[3],
                                 double torque[3], cloth_error *err);
 
@@ -310,21 +319,23 @@ typedef struct cloth_body_pair {
 
 /// The broad phase on the present state: every (body, cloth) triangle pair closer than `margin` [m],
 /// in [0, 0.1], is in the answer; farther ones may be. Writes at most `capacity` pairs in ascending
-/// order; *count is how many there are. Changes nothing in the simulation.
+/// order; *count is how many there are. Changes nothing in the simulation. Blocks.
+/// CLOTH_BAD_ARGUMENT: margin out of range; CLOTH_UNSUPPORTED: integrator mass_spring.
 cloth_status cloth_body_pairs(cloth_scene *scene, double margin, cloth_body_pair *out, int capacity,
                               int *count, cloth_error *err);
 
-/// A contact of the last linear system.
+/// A contact of the last linear system that carries a force.
 typedef struct cloth_contact_view {
   int cloth;           // of the first feature
   int body;            // of the second feature; -1: cloth
-  double position[3];  // m, scene frame
+  double position[3];  // m, scene frame, the closest point of the first feature
   double normal[3];    // unit, from the second feature to the first
-  double distance;     // m
+  double distance;     // m, when the last substep began
   double force;        // N, normal
 } cloth_contact_view;
 
-/// Contacts of the last step, at most `capacity`; *count is how many there are.
+/// Contacts of the last step: writes at most `capacity`; *count is how many there are. Blocks.
+/// CLOTH_NO_MEMORY, CLOTH_DEVICE_LOST.
 cloth_status cloth_contacts(cloth_scene *scene, cloth_contact_view *out, int capacity, int *count,
                             cloth_error *err);
 
@@ -366,12 +377,14 @@ cloth_status cloth_blocking_holds(cloth_scene *scene, cloth_hold_view *out, int 
 // ---- recorder -----------------------------------------------------------------------------------
 
 /// Write every call that changes this scene, and the state hash after each step, to a text file
-/// (doc/recording.md). One recording at a time.
+/// (doc/recording.md), until it is stopped. CLOTH_BAD_ARGUMENT: one is running already; CLOTH_IO.
 cloth_status cloth_record_start(cloth_scene *scene, const char *path, cloth_error *err);
+/// CLOTH_IO: something of it could not be written.
 cloth_status cloth_record_stop(cloth_scene *scene, cloth_error *err);
 
 /// Run a recording against a fresh scene of the same description; *steps (nullable) is how many
-/// matched. CLOTH_BAD_STATE at the first step whose hash differs, naming the step.
+/// matched. CLOTH_BAD_STATE at the first step whose hash differs, naming the step; CLOTH_IO: it cannot
+/// be read, or is none of this version.
 cloth_status cloth_replay(cloth_scene *scene, const char *path, int64_t *steps, cloth_error *err);
 
 #ifdef __cplusplus

@@ -68,6 +68,14 @@ static int choice_count(const char *choices)
   return n;
 }
 
+const char *cloth_param_choice(const cloth_param_info *info, int index, int *length)
+{
+  const char *word = info->choices;
+  for (; index > 0 && strchr(word, '|'); index--) word = strchr(word, '|') + 1;
+  *length = (int)strcspn(word, "|");
+  return word;
+}
+
 // index of a word in "a|b|c", or -1
 static int choice_find(const char *choices, const char *word)
 {

@@ -43,6 +43,10 @@ typedef struct cloth_param_info {
   size_t offset;       // in cloth_params or cloth_material
 } cloth_param_info;
 
+/// Choice `index` of a parameter that is a choice, and how long the word is: it ends at a '|' or at the
+/// end of the list.
+const char *cloth_param_choice(const cloth_param_info *info, int index, int *length);
+
 /// The lists as tables, ended by name == NULL.
 const cloth_param_info *cloth_param_table(void);
 const cloth_param_info *cloth_material_table(void);

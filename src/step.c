@@ -238,7 +238,7 @@ static cloth_status step(cloth_sim *sim, double h, cloth_step_report *report, cl
   CLOTH_TRY(recut(sim, err));
   for (int b = 0; b < sim->def->body_count; b++) {
     const cloth_body_def *d = &sim->def->body[b];
-    if (!sim->body[b].told && cloth_motion_moves(&d->motion))
+    if (!sim->body[b].commanded && cloth_motion_moves(&d->motion))
       sim->body[b].target = cloth_motion_at(&d->motion, d->pose, sim->time + h);
   }
   CLOTH_TRY(cloth_pins_update(sim, sim->time + h, err));

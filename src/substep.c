@@ -2,7 +2,6 @@
 // which it runs, with the file that holds it (the list is stages.inl).
 #include "substep.h"
 
-#include "chunk.h"
 #include "contact/contact.h"
 #include "contact/friction.h"
 #include "effect/effect.h"
@@ -33,7 +32,7 @@ static bool is_rough(const cloth_sim *sim, double distance)
 // the first correction is the whole answer to the prediction, not what is left of the error
 static bool is_far_from_linear(const cloth_sim *sim)
 {
-  return sim->astray || (sim->iteration > 0 && is_rough(sim, sim->correction));
+  return sim->solve_failed || (sim->iteration > 0 && is_rough(sim, sim->correction));
 }
 
 // The time of a stage: that of the host, or with `profile` that of the first part's device, between
@@ -69,12 +68,6 @@ static cloth_status stage_end(cloth_sim *sim, cloth_stage stage, double start, c
     CLOTH_TRY(stage_end(sim, CLOTH_STAGE_##name, start_, err));                                    \
   } while (0)
 
-static int owner_of_contact(const cloth_sim *sim)
-{
-  return sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
-                                                : CLOTH_EFFECT_body_contact;
-}
-
 // Newton iterations `first` to `last` - 1, and up to `further` more where the last still is a large
 // one
 static cloth_status solve(cloth_sim *sim, int first, int last, int further, cloth_error *err)
@@ -96,7 +89,7 @@ static cloth_status solve(cloth_sim *sim, int first, int last, int further, clot
   }
   sim->correction = correction;
   CLOTH_TRY(cloth_balance(sim, err)); // solve/balance.c    momentum of free flight
-  if (!sim->astray) CLOTH_TRY(cloth_holds_measure(sim, err));
+  if (!sim->solve_failed) CLOTH_TRY(cloth_holds_measure(sim, err));
   sim->owner = owner;
   return CLOTH_OK;
 }
@@ -134,18 +127,18 @@ static cloth_status follow_held(cloth_sim *sim, int *left, cloth_error *err)
 {
   int impacts, rounds = sim->params.contact_rounds_max;
   int n = sim->params.newton_iterations_max + rounds;
-  for (int k = 0; k < rounds && sim->zones.held_back > 0 && *left == 0 && !sim->astray; k++) {
+  for (int k = 0; k < rounds && sim->zones.held_back > 0 && *left == 0 && !sim->solve_failed; k++) {
     CLOTH_TRY(cloth_ccd_pin(sim, k > 0, err));
     cloth_status status = solve(sim, n, n + HELD_ITERATIONS, 0, err);
     cloth_ccd_unpin(sim);
     CLOTH_TRY(status);
     sim->report->contact_rounds++;
-    sim->astray = sim->astray || ran_away(sim);
-    if (!sim->astray) {
+    sim->solve_failed = sim->solve_failed || ran_away(sim);
+    if (!sim->solve_failed) {
       STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
       STAGE(ccd, cloth_ccd_resolve(sim, left, err));
     }
-    if (sim->astray || *left > 0) {
+    if (sim->solve_failed || *left > 0) {
       *left = 0;
       return cloth_ccd_back_to_held(sim, err);
     }
@@ -168,10 +161,11 @@ static cloth_status part_what_meets(cloth_sim *sim, const cloth_cutting *c, clot
     STAGE(contact, cloth_contact_add_impacts(sim, err));
     CLOTH_TRY(solve(sim, n + round, n + round + 1, 0, err));
     sim->report->contact_rounds++;
-    sim->astray = sim->astray || ran_away(sim);
-    if (sim->astray) CLOTH_TRY(cloth_ccd_keep(sim, true, err)); // zones are left, and shorter steps
+    sim->solve_failed = sim->solve_failed || ran_away(sim);
+    if (sim->solve_failed)
+      CLOTH_TRY(cloth_ccd_keep(sim, true, err)); // zones are left, and shorter steps
     STAGE(ccd, cloth_ccd_detect(sim, &impacts, err));
-    if (sim->astray) break;
+    if (sim->solve_failed) break;
   }
   sim->crowd = cloth_impacts_of_cloth(sim) / cloth_crowded(sim);
   sim->helpless = 2 * impacts > first && sim->params.contact_rounds_max > 0;
@@ -204,7 +198,7 @@ cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cloth_c
 
   touch = touch || sim->report->bodies_near > 0;
   sim->span = touch ? span_of(&sim->cloth_box) : sim->params.bounds;
-  sim->owner = owner_of_contact(sim);
+  sim->owner = cloth_contact_owner(sim);
   if (touch) {
     STAGE(pairs, cloth_pairs_find(sim, err));            // contact/pairs.c    what may touch
     STAGE(contact, cloth_contact_build_stage(sim, err)); // contact/contact.c  what touches
@@ -226,7 +220,7 @@ cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cloth_c
     *result = OUTCOME_UNSTABLE;
     return CLOTH_OK;
   }
-  sim->owner = owner_of_contact(sim);
+  sim->owner = cloth_contact_owner(sim);
   if (!touch && sim->active[CLOTH_EFFECT_body_contact]) {
     CLOTH_TRY(cloth_bodies_join(sim, err)); // the cloth may have gone farther than predicted
     touch = sim->report->bodies_near > 0;

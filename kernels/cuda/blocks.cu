@@ -79,13 +79,13 @@ __global__ void __launch_bounds__(CHUNK_THREADS)
 {
   __shared__ cloth_real upper[CLOTH_WARP], larger;
   int i = (int)blockIdx.x, k = a.v.first + i * CLOTH_CHUNK + (int)threadIdx.x;
-  cloth_real sum[1] = {}, left_sq = 0;
+  cloth_real sum[1] = {}, length_sq = 0;
   if (k < cloth_chunk_end(a.v.first, a.v.count, i))
-    sum[0] = cloth_pcg_residual_row(k, &a.v, &left_sq);
+    sum[0] = cloth_pcg_residual_row(k, &a.v, &length_sq);
   cloth_block_chunk_sums(sum, upper);
-  left_sq = chunk_larger(left_sq, &larger);
+  length_sq = chunk_larger(length_sq, &larger);
   cloth_real *partial = a.v.partial + CLOTH_PCG_PARTIALS * (a.v.first / CLOTH_CHUNK + i);
-  if (threadIdx.x == 0) partial[0] = sum[0], partial[1] = left_sq;
+  if (threadIdx.x == 0) partial[0] = sum[0], partial[1] = length_sq;
 }
 
 // the fields of the block's chunk from those of its threads
@@ -230,23 +230,23 @@ __global__ void __launch_bounds__(CLOTH_PCG_LANES)
 {
   enum { WARPS = CLOTH_PCG_LANES / CLOTH_WARP };
   __shared__ cloth_real lanes[CLOTH_PCG_LANES], larger[2][WARPS];
-  cloth_real rr[1], largest = 0, left_sq = 0;
+  cloth_real rr[1], largest = 0, length_sq = 0;
   cloth_block_partial_sums(a.partial, a.chunks, 0, rr, lanes);
   for (int c = (int)threadIdx.x; c < a.chunks; c += CLOTH_PCG_LANES) {
     largest = cloth_larger(largest, a.largest[c]);
-    left_sq = cloth_larger(left_sq, a.partial[CLOTH_PCG_PARTIALS * c + 1]);
+    length_sq = cloth_larger(length_sq, a.partial[CLOTH_PCG_PARTIALS * c + 1]);
   }
-  largest = cloth_warp_larger(largest), left_sq = cloth_warp_larger(left_sq);
+  largest = cloth_warp_larger(largest), length_sq = cloth_warp_larger(length_sq);
   int warp = (int)threadIdx.x / CLOTH_WARP;
-  if (threadIdx.x % CLOTH_WARP == 0) larger[0][warp] = largest, larger[1][warp] = left_sq;
+  if (threadIdx.x % CLOTH_WARP == 0) larger[0][warp] = largest, larger[1][warp] = length_sq;
   __syncthreads();
   if (threadIdx.x > 0) return;
   for (int w = 1; w < WARPS; w++) {
     largest = cloth_larger(largest, larger[0][w]);
-    left_sq = cloth_larger(left_sq, larger[1][w]);
+    length_sq = cloth_larger(length_sq, larger[1][w]);
   }
   a.scalar[CLOTH_PCG_LARGEST] = largest;
-  a.scalar[CLOTH_PCG_LEFT] = cloth_sqrt(left_sq);
+  a.scalar[CLOTH_PCG_RESIDUAL_LENGTH] = cloth_sqrt(length_sq);
   a.scalar[CLOTH_PCG_RESIDUAL] = rr[0];
 }
 

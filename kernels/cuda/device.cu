@@ -13,7 +13,7 @@ enum : size_t {
   PINNED_BYTES = 1 << 20, // for data; behind them lies the number of the last read
   FEW_BYTES = 1 << 13     // that a kernel hands to the host
 };
-enum { TELL_THREADS = 256, LOOKS = 1 << 14 };
+enum { POST_THREADS = 256, LOOKS = 1 << 14 };
 
 const char *name_of(cudaError_t e) { return cudaGetErrorString(e); }
 
@@ -151,25 +151,25 @@ cloth_status write_device(cloth_device *d, void *dst, const void *host, size_t b
 
 // A few numbers go faster when a kernel writes them where the host looks: a copy would have to be
 // started, and the host be told of its end.
-__global__ void tell_kernel(const uint32_t *from, int words, uint32_t *to, unsigned *told,
+__global__ void post_kernel(const uint32_t *from, int words, uint32_t *to, unsigned *posted,
                             unsigned number)
 {
   for (int k = (int)threadIdx.x; k < words; k += (int)blockDim.x) to[k] = from[k];
   __threadfence_system();
   __syncthreads();
-  if (threadIdx.x == 0) *static_cast<volatile unsigned *>(told) = number;
+  if (threadIdx.x == 0) *static_cast<volatile unsigned *>(posted) = number;
 }
 
 cloth_status read_few(cloth_device *d, void *host, const void *src, size_t bytes, cloth_error *err)
 {
   CUDA_TRY(err, cudaSetDevice(d->index));
   cudaStream_t stream = d->stream[CLOTH_COMPUTE];
-  auto *told = reinterpret_cast<unsigned *>(static_cast<char *>(d->pinned) + PINNED_BYTES);
+  auto *posted = reinterpret_cast<unsigned *>(static_cast<char *>(d->pinned) + PINNED_BYTES);
   unsigned number = ++d->reads;
-  tell_kernel<<<1, TELL_THREADS, 0, stream>>>(static_cast<const uint32_t *>(src), (int)bytes / 4,
-                                              static_cast<uint32_t *>(d->pinned), told, number);
+  post_kernel<<<1, POST_THREADS, 0, stream>>>(static_cast<const uint32_t *>(src), (int)bytes / 4,
+                                              static_cast<uint32_t *>(d->pinned), posted, number);
   CUDA_TRY(err, cudaGetLastError());
-  for (int look = 1; *static_cast<volatile unsigned *>(told) != number; look++) {
+  for (int look = 1; *static_cast<volatile unsigned *>(posted) != number; look++) {
     if (look % LOOKS > 0) continue; // now and then: is the device still there?
     cudaError_t e = cudaStreamQuery(stream);
     if (e != cudaSuccess && e != cudaErrorNotReady) CUDA_TRY(err, e);
@@ -280,7 +280,7 @@ cloth_status finish(cloth_device *d, cloth_error *err)
 cloth_status cloth_cuda_fail(cudaError_t e, const char *what, const char *file, int line,
                              cloth_error *err)
 {
-  cudaGetLastError(); // what does not stick is told once
+  cudaGetLastError(); // an error that does not stick is reported once
   return cloth_fail(err, status_of(e), file, line, "cuda: %s (%s)", name_of(e), what);
 }
 

@@ -5,108 +5,77 @@
 
 namespace {
 
-enum {
-  THREADS = 64,
-  MEMBRANE_FORCE = 9,
-  MEMBRANE_TANGENT = 45,
-  BEND = 12,
-  SHAPE_FORCE = 18,
-  SHAPE_GRADIENT = 36,
-  SHAPE_WEIGHT = 6,
-  HAT_BLOCKS = 6 * (CLOTH_HAT_CORNERS + 1)
+enum { THREADS = 64 };
+
+// an array that a kernel writes: `Width` numbers for each element
+template <auto Member, int Width> struct written {
+  static constexpr int size = THREADS * Width;
+
+  template <typename Args> static __device__ void collect_in(cloth_real *shared, Args &a, int first)
+  {
+    a.*Member = shared - (int64_t)first * Width;
+  }
+
+  template <typename Args>
+  static __device__ void write_out(const cloth_real *shared, const Args &args, int first, int rows)
+  {
+    cloth_real *to = args.*Member;
+    for (int k = (int)threadIdx.x; k < rows * Width; k += THREADS)
+      to[(int64_t)first * Width + k] = shared[k];
+  }
 };
 
-// the block's rows of a [n x Width] array
-template <int Width>
-__device__ void write_out(cloth_real *to, const cloth_real *shared, int first, int rows)
+// the row of element 0 in what is written
+template <typename Args> __device__ int row_of_first(const Args &) { return 0; }
+__device__ int row_of_first(const cloth_hat_row_args &args) { return args.first; }
+
+template <typename Args, void (*Element)(int, const Args *), typename... Written>
+__global__ void __launch_bounds__(THREADS)
+    collecting_kernel(int n, const __grid_constant__ Args args)
 {
-  for (int k = (int)threadIdx.x; k < rows * Width; k += THREADS)
-    to[(int64_t)first * Width + k] = shared[k];
+  __shared__ cloth_real shared[(Written::size + ...)];
+  int first = (int)blockIdx.x * THREADS, rows = n - first < THREADS ? n - first : THREADS;
+  int row = row_of_first(args) + first, at = 0;
+  Args a = args;
+  ((Written::collect_in(shared + at, a, row), at += Written::size), ...);
+  if ((int)threadIdx.x < rows) Element(first + (int)threadIdx.x, &a);
+  __syncthreads();
+  at = 0;
+  ((Written::write_out(shared + at, args, row, rows), at += Written::size), ...);
 }
 
-__global__ void __launch_bounds__(THREADS)
-    membrane_kernel(int n, const __grid_constant__ cloth_membrane_args args)
+template <typename Args, void (*Element)(int, const Args *), typename... Written>
+cudaError_t start(int n, const void *args, cudaStream_t stream)
 {
-  __shared__ cloth_real force[THREADS * MEMBRANE_FORCE], tangent[THREADS * MEMBRANE_TANGENT];
-  int first = (int)blockIdx.x * THREADS, rows = n - first < THREADS ? n - first : THREADS;
-  cloth_membrane_args a = args;
-  a.force = force - (int64_t)first * MEMBRANE_FORCE;
-  a.tangent = tangent - (int64_t)first * MEMBRANE_TANGENT;
-  if ((int)threadIdx.x < rows) cloth_membrane(first + (int)threadIdx.x, &a);
-  __syncthreads();
-  write_out<MEMBRANE_FORCE>(args.force, force, first, rows);
-  write_out<MEMBRANE_TANGENT>(args.tangent, tangent, first, rows);
-}
-
-__global__ void __launch_bounds__(THREADS)
-    bend_kernel(int n, const __grid_constant__ cloth_bend_args args)
-{
-  __shared__ cloth_real force[THREADS * BEND], gradient[THREADS * BEND];
-  int first = (int)blockIdx.x * THREADS, rows = n - first < THREADS ? n - first : THREADS;
-  cloth_bend_args a = args;
-  a.force = force - (int64_t)first * BEND;
-  a.gradient = gradient - (int64_t)first * BEND;
-  if ((int)threadIdx.x < rows) cloth_bend(first + (int)threadIdx.x, &a);
-  __syncthreads();
-  write_out<BEND>(args.force, force, first, rows);
-  write_out<BEND>(args.gradient, gradient, first, rows);
-}
-
-__global__ void __launch_bounds__(THREADS)
-    bend_shape_kernel(int n, const __grid_constant__ cloth_bend_shape_args args)
-{
-  __shared__ cloth_real force[THREADS * SHAPE_FORCE], gradient[THREADS * SHAPE_GRADIENT];
-  __shared__ cloth_real weight[THREADS * SHAPE_WEIGHT];
-  int first = (int)blockIdx.x * THREADS, rows = n - first < THREADS ? n - first : THREADS;
-  cloth_bend_shape_args a = args;
-  a.force = force - (int64_t)first * SHAPE_FORCE;
-  a.gradient = gradient - (int64_t)first * SHAPE_GRADIENT;
-  a.weight = weight - (int64_t)first * SHAPE_WEIGHT;
-  if ((int)threadIdx.x < rows) cloth_bend_shape(first + (int)threadIdx.x, &a);
-  __syncthreads();
-  write_out<SHAPE_FORCE>(args.force, force, first, rows);
-  write_out<SHAPE_GRADIENT>(args.gradient, gradient, first, rows);
-  write_out<SHAPE_WEIGHT>(args.weight, weight, first, rows);
-}
-
-__global__ void __launch_bounds__(THREADS)
-    hat_row_kernel(int n, const __grid_constant__ cloth_hat_row_args args)
-{
-  __shared__ cloth_real block[THREADS * HAT_BLOCKS];
-  int first = (int)blockIdx.x * THREADS, rows = n - first < THREADS ? n - first : THREADS;
-  cloth_hat_row_args a = args;
-  a.block = block - ((int64_t)args.first + first) * HAT_BLOCKS;
-  if ((int)threadIdx.x < rows) cloth_hat_row(first + (int)threadIdx.x, &a);
-  __syncthreads();
-  write_out<HAT_BLOCKS>(args.block, block, args.first + first, rows);
+  unsigned blocks = (unsigned)(n + THREADS - 1) / THREADS;
+  collecting_kernel<Args, Element, Written...>
+      <<<blocks, THREADS, 0, stream>>>(n, *static_cast<const Args *>(args));
+  return cudaGetLastError();
 }
 
 } // namespace
 
 cudaError_t cloth_cuda_membrane(cloth_device *, int n, const void *args, cudaStream_t stream)
 {
-  membrane_kernel<<<(unsigned)(n + THREADS - 1) / THREADS, THREADS, 0, stream>>>(
-      n, *static_cast<const cloth_membrane_args *>(args));
-  return cudaGetLastError();
+  return start<cloth_membrane_args, cloth_membrane, written<&cloth_membrane_args::force, 9>,
+               written<&cloth_membrane_args::tangent, 45>>(n, args, stream);
 }
 
 cudaError_t cloth_cuda_bend(cloth_device *, int n, const void *args, cudaStream_t stream)
 {
-  bend_kernel<<<(unsigned)(n + THREADS - 1) / THREADS, THREADS, 0, stream>>>(
-      n, *static_cast<const cloth_bend_args *>(args));
-  return cudaGetLastError();
+  return start<cloth_bend_args, cloth_bend, written<&cloth_bend_args::force, 12>,
+               written<&cloth_bend_args::gradient, 12>>(n, args, stream);
 }
 
 cudaError_t cloth_cuda_bend_shape(cloth_device *, int n, const void *args, cudaStream_t stream)
 {
-  bend_shape_kernel<<<(unsigned)(n + THREADS - 1) / THREADS, THREADS, 0, stream>>>(
-      n, *static_cast<const cloth_bend_shape_args *>(args));
-  return cudaGetLastError();
+  return start<cloth_bend_shape_args, cloth_bend_shape, written<&cloth_bend_shape_args::force, 18>,
+               written<&cloth_bend_shape_args::gradient, 36>,
+               written<&cloth_bend_shape_args::weight, 6>>(n, args, stream);
 }
 
 cudaError_t cloth_cuda_hat_row(cloth_device *, int n, const void *args, cudaStream_t stream)
 {
-  hat_row_kernel<<<(unsigned)(n + THREADS - 1) / THREADS, THREADS, 0, stream>>>(
-      n, *static_cast<const cloth_hat_row_args *>(args));
-  return cudaGetLastError();
+  return start<cloth_hat_row_args, cloth_hat_row,
+               written<&cloth_hat_row_args::block, 6 * (CLOTH_HAT_CORNERS + 1)>>(n, args, stream);
 }

@@ -1,13 +1,13 @@
 // A whole linear solve as one kernel: every step is a loop over chunks by all blocks, with a
 // barrier behind it, so an iteration has no launch, no read and no scalar kernel. Sums over all
 // chunks are added up by each block for itself (group_sums.cuh). Small cloths go to solve_small.cu.
+#include "barrier.cuh"
 #include "contact_pull.cuh"
 #include "group_sums.cuh"
 #include "launch.h"
 #include "pcg_solve.h"
 #include "reduce.cuh"
 #include "stopwatch.cuh"
-#include "together.cuh"
 
 namespace {
 
@@ -108,8 +108,8 @@ __device__ void for_rows(const cloth_pcg_solve_args &a, Rows &rows, const cloth_
 }
 
 // after r, z and their terms: coarse correction, beta, direction
-template <typename Together>
-__device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, shared_room *room)
+template <typename Barrier>
+__device__ void turn(const cloth_pcg_solve_args &a, Barrier &g, int start, shared_room *room)
 {
   int warp = (int)threadIdx.x / CLOTH_WARP, lane = (int)threadIdx.x % CLOTH_WARP;
   if (a.v.coarse) { // a warp for each number, by all blocks
@@ -158,8 +158,8 @@ __device__ void turn(const cloth_pcg_solve_args &a, Together &g, int start, shar
   g.sync();
 }
 
-template <typename Together, typename Rows>
-__device__ void product(const cloth_pcg_solve_args &a, int contacts, Together &g, Rows &rows,
+template <typename Barrier, typename Rows>
+__device__ void product(const cloth_pcg_solve_args &a, int contacts, Barrier &g, Rows &rows,
                         shared_room *room)
 {
   int stride = (int)(gridDim.x * blockDim.x);
@@ -172,8 +172,8 @@ __device__ void product(const cloth_pcg_solve_args &a, int contacts, Together &g
   cloth_block_alpha(a, room->scalar, room->lanes);
 }
 
-template <typename Rows, typename Together>
-__device__ void solve(const cloth_pcg_solve_args &a, Together g)
+template <typename Rows, typename Barrier>
+__device__ void solve(const cloth_pcg_solve_args &a, Barrier g)
 {
   __shared__ shared_room room;
   Rows rows(a);
@@ -198,16 +198,15 @@ __device__ void solve(const cloth_pcg_solve_args &a, Together g)
 }
 
 __global__ void __launch_bounds__(THREADS, RESIDENT)
-    solve_by_grid(const __grid_constant__ cloth_pcg_solve_args a, cloth_together_state *state)
+    solve_by_grid(const __grid_constant__ cloth_pcg_solve_args a, cloth_barrier_state *state)
 {
-  solve<rows_in_memory>(a, cloth_together_grid(state));
+  solve<rows_in_memory>(a, cloth_grid_barrier(state));
 }
 
 __global__ void __launch_bounds__(THREADS, SPARSE)
-    solve_by_sparse_grid(const __grid_constant__ cloth_pcg_solve_args a,
-                         cloth_together_state *state)
+    solve_by_sparse_grid(const __grid_constant__ cloth_pcg_solve_args a, cloth_barrier_state *state)
 {
-  solve<rows_ahead>(a, cloth_together_grid(state));
+  solve<rows_ahead>(a, cloth_grid_barrier(state));
 }
 
 } // namespace
@@ -229,8 +228,8 @@ cloth_status cloth_cuda_solve(cloth_device *d, const cloth_pcg_solve_args *args,
     wanted = (args->contacts + THREADS - 1) / THREADS;
   int blocks = wanted < d->solve_blocks ? wanted : d->solve_blocks;
   void *state = nullptr;
-  CLOTH_TRY(cloth_cuda_scratch(d, sizeof(cloth_together_state), &state, err));
-  CUDA_TRY(err, cudaMemsetAsync(state, 0, sizeof(cloth_together_state), stream));
+  CLOTH_TRY(cloth_cuda_scratch(d, sizeof(cloth_barrier_state), &state, err));
+  CUDA_TRY(err, cudaMemsetAsync(state, 0, sizeof(cloth_barrier_state), stream));
   void *parameters[] = {const_cast<cloth_pcg_solve_args *>(args), &state};
   auto *kernel = blocks <= SPARSE * d->multiprocessors ? solve_by_sparse_grid : solve_by_grid;
   CUDA_TRY(err, cudaLaunchCooperativeKernel(reinterpret_cast<const void *>(kernel),

@@ -4,10 +4,10 @@
 // other residuals, sums of the first level of hats, directions and products. Everything between
 // is done by every block for itself, in one order, which is quicker than to wait for one: scalars,
 // the upper levels of hats, the right-hand side of the coarse level.
+#include "barrier.cuh"
 #include "launch.h"
 #include "small_room.cuh"
 #include "stopwatch.cuh"
-#include "together.cuh"
 
 namespace {
 
@@ -96,7 +96,7 @@ struct worker {
 
   // ---- an iteration -----------------------------------------------------------------------------
 
-  __device__ static void meet() { cloth_together_cluster().sync(); }
+  __device__ static void meet() { cloth_cluster_barrier().sync(); }
 
   // r = of(k), z, and the sums of the block's chunks
   template <typename Row> __device__ void residuals(Row of)
@@ -291,38 +291,38 @@ struct worker {
       cloth_contact_product(i, &contact);
     if (contacts > 0) meet();
 
-    cloth_real rr[1] = {0}, size = 0, left_sq = 0;
+    cloth_real rr[1] = {0}, size = 0, length_sq = 0;
     if (there) {
       cloth_pcg_product_args product = a.product;
       product.x = a.v.dx;
       cloth_pcg_product_row(row, &product, mine.product(&a.product.rows, row, a.v.dx));
-      rr[0] = cloth_pcg_residual_row(k, &a.v, &left_sq);
+      rr[0] = cloth_pcg_residual_row(k, &a.v, &length_sq);
       size = cloth_correct_vertex(k, &a.correct);
     }
     cloth_block_chunk_sums(rr, own()->upper);
-    size = cloth_warp_larger(size), left_sq = cloth_warp_larger(left_sq);
+    size = cloth_warp_larger(size), length_sq = cloth_warp_larger(length_sq);
     static_assert(2 * THREADS / CLOTH_WARP <= CLOTH_HAT_FINE_GROUP, "shares has room for both");
-    cloth_real *sizes = own()->shares, *lefts = sizes + THREADS / CLOTH_WARP;
+    cloth_real *sizes = own()->shares, *lengths = sizes + THREADS / CLOTH_WARP;
     int warp = (int)threadIdx.x / CLOTH_WARP;
-    if (lane == 0) sizes[warp] = size, lefts[warp] = left_sq;
+    if (lane == 0) sizes[warp] = size, lengths[warp] = length_sq;
     __syncthreads();
     if (there && threadIdx.x % CLOTH_CHUNK == 0) {
       cloth_real *partial = a.v.partial + CLOTH_PCG_PARTIALS * (k / CLOTH_CHUNK);
-      partial[0] = rr[0], partial[1] = cloth_larger(lefts[warp], lefts[warp + 1]);
+      partial[0] = rr[0], partial[1] = cloth_larger(lengths[warp], lengths[warp + 1]);
       a.correct.largest[k / CLOTH_CHUNK] = cloth_larger(sizes[warp], sizes[warp + 1]);
     }
     meet();
     cloth_real all[CLOTH_LANES_EACH], largest = 0;
-    left_sq = 0;
+    length_sq = 0;
     cloth_warp_lanes(
         all, [&](int l) { return l < a.v.chunks ? a.v.partial[CLOTH_PCG_PARTIALS * l] : 0; });
     for (int l = lane; l < a.v.chunks; l += CLOTH_WARP) {
       largest = cloth_larger(largest, a.correct.largest[l]);
-      left_sq = cloth_larger(left_sq, a.v.partial[CLOTH_PCG_PARTIALS * l + 1]);
+      length_sq = cloth_larger(length_sq, a.v.partial[CLOTH_PCG_PARTIALS * l + 1]);
     }
     scalar[CLOTH_PCG_RESIDUAL] = cloth_warp_lanes_sum(all);
     scalar[CLOTH_PCG_LARGEST] = cloth_warp_larger(largest); // lane 0 writes it
-    scalar[CLOTH_PCG_LEFT] = cloth_sqrt(cloth_warp_larger(left_sq));
+    scalar[CLOTH_PCG_RESIDUAL_LENGTH] = cloth_sqrt(cloth_warp_larger(length_sq));
   }
 
   // what others will read, and what the launches of a solve leave behind

@@ -1,12 +1,12 @@
 // A block of sub-steps of the mass-spring cloth as one kernel, with a barrier behind each sub-step
 // instead of a launch. A sub-step is: fetch the states of others that the block feels; LANES
-// threads gather for each particle; one thread moves it. If somebody has strayed, which the barrier
-// tells, candidates are found anew before they are used. The bits are those of spring_step.h one by
-// one, for any cut.
+// threads gather for each particle; one thread moves it. If a particle has strayed too far, on
+// which blocks vote at the barrier, candidates are found anew before they are used. The bits are
+// those of spring_step.h one by one, for any cut.
+#include "barrier.cuh"
 #include "spring_find.cuh"
 #include "spring_share.cuh"
-#include "together.cuh"
-#include "told.cuh"
+#include "vote_barrier.cuh"
 
 namespace {
 
@@ -30,23 +30,23 @@ __device__ void begin(const cloth_spring_block_args &b, record *now)
 
 // A block of threads at work. AtOnce: it has a thread for each of its particles; else they are
 // taken in several goes, and what does not change is read again in each.
-template <typename Together, bool AtOnce> struct worker {
-  const cloth_spring_block_args &args; // as the host told it
+template <typename Barrier, bool AtOnce> struct worker {
+  const cloth_spring_block_args &args; // of the launch
   cloth_spring_block_args b;           // with what was brought
   cloth_spring_step_args a;            // of the sub-step
-  const cloth_spring_told *told;
+  const cloth_spring_inputs *inputs;
   tile here;
   record *next;
   kept *keep;
   int row, own_row, stride; // the thread's as one that gathers, as one that moves; of a go
   int searched, searches;   // sub-step of the last one; how many
-  Together g;
+  Barrier g;
   gatherer mine;
   mover own;
 
-  __device__ worker(const cloth_spring_block_args &told_args, record *records, int slots,
-                    shared_room *room, void *kept_room, Together together)
-      : args(told_args), b(told_args), a(told_args.step), told(room->told), g(together)
+  __device__ worker(const cloth_spring_block_args &launch_args, record *records, int slots,
+                    shared_room *room, void *kept_room, Barrier barrier)
+      : args(launch_args), b(launch_args), a(launch_args.step), inputs(room->inputs), g(barrier)
   {
     int particles = (int)blockDim.x / LANES, thread = (int)threadIdx.x;
     stride = particles * (int)gridDim.x;
@@ -92,7 +92,7 @@ template <typename Together, bool AtOnce> struct worker {
   // how far the thread's particle has strayed at the start of the next sub-step
   __device__ __forceinline__ int strayed(int next_step)
   {
-    for (int c = 0; c < 3; c++) a.drift[c] = told[next_step].drift[c] - told[searched].drift[c];
+    for (int c = 0; c < 3; c++) a.drift[c] = inputs[next_step].drift[c] - inputs[searched].drift[c];
     return cloth_spring_strayed(&a, own.x, cloth_v3_load(here.kept_of[threadIdx.x].x_ref, 0));
   }
 
@@ -130,7 +130,7 @@ template <typename Together, bool AtOnce> struct worker {
       if (again) look(k);
       here.fetch_others();
       __syncthreads();
-      cloth_spring_tell(&b, k, told + k, &a);
+      cloth_spring_inputs_set(&b, k, inputs + k, &a);
       int strayed = 0;
       for (int from = 0; from < (AtOnce ? 1 : b.rows); from += stride) {
         int f = go(k, from);
@@ -144,7 +144,7 @@ template <typename Together, bool AtOnce> struct worker {
       record *other = const_cast<record *>(here.now);
       here.now = next, next = other;
     }
-    if (!AtOnce && far > 0) cloth_spring_strayed_tell(&args.step, far);
+    if (!AtOnce && far > 0) cloth_spring_strayed_note(&args.step, far);
     if (args.head && blockIdx.x == 0 && threadIdx.x == 0)
       args.find.sums[CLOTH_SPRING_AGAIN] = (uint32_t)(searches - 1);
   }
@@ -153,12 +153,12 @@ template <typename Together, bool AtOnce> struct worker {
 template <bool AtOnce>
 __global__ void __launch_bounds__(THREADS, 1)
     block_by_grid(const __grid_constant__ cloth_spring_block_args b, record *records, int slots,
-                  cloth_told_state *state)
+                  cloth_vote_state *state)
 {
   __shared__ shared_room room;
   extern __shared__ __align__(16) double kept_room[];
-  cloth_told_grid g(state);
-  worker<cloth_told_grid, AtOnce>(b, records, slots, &room, kept_room, g).run();
+  cloth_grid_vote g(state);
+  worker<cloth_grid_vote, AtOnce>(b, records, slots, &room, kept_room, g).run();
 }
 
 __global__ void __launch_bounds__(CLUSTER_THREADS, 1)
@@ -166,8 +166,8 @@ __global__ void __launch_bounds__(CLUSTER_THREADS, 1)
 {
   __shared__ shared_room room;
   extern __shared__ __align__(16) double kept_room[];
-  cloth_told_cluster g(room.heard);
-  worker<cloth_told_cluster, true>(b, records, slots, &room, kept_room, g).run();
+  cloth_cluster_vote g(room.heard);
+  worker<cloth_cluster_vote, true>(b, records, slots, &room, kept_room, g).run();
 }
 
 // ---- launches -----------------------------------------------------------------------------------
@@ -259,7 +259,7 @@ cloth_status cloth_cuda_spring_block(cloth_device *d, const cloth_spring_block_a
     CUDA_TRY(err, launch_cluster(d, *args, records));
     return CLOTH_OK;
   }
-  CUDA_TRY(err, cudaMemsetAsync(scratch, 0, sizeof(cloth_told_state), d->stream[CLOTH_COMPUTE]));
+  CUDA_TRY(err, cudaMemsetAsync(scratch, 0, sizeof(cloth_vote_state), d->stream[CLOTH_COMPUTE]));
   CUDA_TRY(err, launch_grid(d, *args, records, scratch));
   return CLOTH_OK;
 }

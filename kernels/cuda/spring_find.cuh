@@ -116,9 +116,9 @@ __device__ void find(const cloth_spring_block_args &b, const record *now, int ro
 }
 
 // all of it; behind it everybody's list is written, and what another thread keeps is his again
-template <typename Together>
+template <typename Barrier>
 __device__ void search(const cloth_spring_block_args &b, const record *now, int row, int stride,
-                       bool again, kept *mine, Together &g)
+                       bool again, kept *mine, Barrier &g)
 {
   empty_bins(b, again);
   g.sync();

@@ -68,7 +68,7 @@ struct kept_particle {
 // ---- of a block ---------------------------------------------------------------------------------
 
 struct shared_room {
-  cloth_spring_told told[CLOTH_SPRING_BLOCK_MAX];
+  cloth_spring_inputs inputs[CLOTH_SPRING_BLOCK_MAX];
   cloth_real pose[POSE_NUMBERS], size[3 * BODIES], friction[BODIES];
   int kind[BODIES];
   unsigned heard[2];
@@ -161,14 +161,14 @@ __device__ tile tile_of(kept *threads, int particles, int rows, int slots, bool 
   return t;
 }
 
-// what is told, where every thread has it at hand
+// what the host prescribes, where every thread has it at hand
 __device__ void bring(cloth_spring_block_args &b, shared_room *room)
 {
   cloth_shapes &s = b.step.shapes;
   int numbers = 12 * (b.body_rows > 0 ? b.body_rows * (b.count + 1) : s.count);
   bool fits = s.count <= BODIES, poses = numbers <= POSE_NUMBERS;
   int t = (int)threadIdx.x, threads = (int)blockDim.x;
-  for (int k = t; k < b.count; k += threads) room->told[k] = cloth_spring_told_at(&b, k);
+  for (int k = t; k < b.count; k += threads) room->inputs[k] = cloth_spring_inputs_at(&b, k);
   for (int k = t; k < numbers && poses; k += threads) room->pose[k] = s.pose_t0[k];
   for (int k = t; k < s.count && fits; k += threads) {
     for (int c = 0; c < 3; c++) room->size[3 * k + c] = s.size[3 * k + c];

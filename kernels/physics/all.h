@@ -1,4 +1,4 @@
-// Every element kernel's header, in the order of kernels.inl.
+// Every element kernel's header, in the order of the alphabet.
 #pragma once
 
 #include "assemble_row.h"

@@ -7,6 +7,10 @@
 
 enum { CLOTH_CHUNK = 64 };
 
+/// Numbers of all levels, where n numbers become one for each chunk, these one for each chunk of
+/// theirs, and so on until few are left: no more than this.
+CLOTH_FN int cloth_chunk_levels(int n) { return n / (CLOTH_CHUNK - 1) + 8; }
+
 CLOTH_FN int cloth_chunk_end(int first, int count, int chunk)
 {
   int end = (chunk + 1) * CLOTH_CHUNK;

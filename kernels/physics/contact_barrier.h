@@ -3,11 +3,13 @@
 
 #include "real.h"
 
+#define CLOTH_BARRIER_LEAST ((cloth_real)0.05) // of the thickness; from there on along the tangent
+
 // force [N] and stiffness [N/m] of the barrier at distance d [m]
 CLOTH_FN cloth_real cloth_contact_barrier(cloth_real k, cloth_real t, cloth_real d,
                                           cloth_real *stiffness)
 {
-  cloth_real least = t * (cloth_real)0.05, close = d > least ? d : least;
+  cloth_real least = t * CLOTH_BARRIER_LEAST, close = d > least ? d : least;
   if (!(d < t)) {
     *stiffness = k;
     return 0;

@@ -15,7 +15,7 @@
 //
 // Two features without a common vertex are at rest at least h apart, h the least height of a
 // triangle: the line from a vertex leaves its star. A pair keeps min(thickness, 0.7 x its distance
-// at rest) (contact_geometry.h, as long as h > 0.08 thickness). So if
+// at rest) where h is not far below the thickness (contact_geometry.h). So if
 //   s^2 >= (k + d)^2 + d^2,  k = min(0.7, thickness / h),
 // for start, first guess and free flight, no pair of the patch is a contact, and its distance on
 // the way stays above that at which impact_find.h acts.
@@ -96,13 +96,18 @@ CLOTH_FN void cloth_flat_range_clear(cloth_real *r)
   for (int k = 0; k < 6; k++) r[k] = (cloth_real)1e30, r[6 + k] = (cloth_real)-1e30;
 }
 
-/// k: the share of its distance at rest that every pair must keep; more than any does for a mesh
-/// much finer than the thickness.
+#define CLOTH_FLAT_KEPT ((cloth_real)0.7) // of its distance at rest: cloth_contact_thickness()
+#define CLOTH_FLAT_FINEST                                                                          \
+  ((cloth_real)0.08) // of the thickness; meshes of less height are not culled
+#define CLOTH_FLAT_NEVER                                                                           \
+  ((cloth_real)10) // a share that no patch keeps: it would be stretched tenfold
+
+/// k: the share of its distance at rest that every pair must keep.
 CLOTH_FN cloth_real cloth_flat_share(cloth_real thickness, cloth_real height)
 {
-  if (!(height > (cloth_real)0.08 * thickness)) return 10;
+  if (!(height > CLOTH_FLAT_FINEST * thickness)) return CLOTH_FLAT_NEVER;
   cloth_real k = thickness / height;
-  return k < (cloth_real)0.7 ? k : (cloth_real)0.7;
+  return k < CLOTH_FLAT_KEPT ? k : CLOTH_FLAT_KEPT;
 }
 
 /// s^2 >= (k + d)^2 + d^2 with A the middle of the range; d is bounded by the Frobenius norm.

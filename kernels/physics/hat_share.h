@@ -2,7 +2,7 @@
 // All of it lies in the mesh at rest and does not change.
 #pragma once
 
-#include "real.h"
+#include <stdint.h>
 
 typedef struct cloth_hat_share {
   int begin, end;             // own nodes: whole groups, so that a group's sum has one author

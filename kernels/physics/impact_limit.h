@@ -10,6 +10,11 @@
 // all around a vertex under a tip would be stopped with it.
 #define CLOTH_LIMIT_LIGHT (cloth_real)0.1
 
+// Vertices go this share of their way to the impact; not at all where that is this soon in the
+// substep.
+#define CLOTH_LIMIT_WAY  (cloth_real)0.8
+#define CLOTH_LIMIT_SOON (cloth_real)0.05
+
 typedef struct cloth_impact_limit_args {
   cloth_contact_scene scene;  // with carriers
   int stop;                   // 1: whatever is involved goes along with its carrier
@@ -28,7 +33,7 @@ CLOTH_FN void cloth_impact_limit(int i, const cloth_impact_limit_args *a)
   cloth_contact_geometry g;
   cloth_real toi;
   if (cloth_impact(s, a->pair[i], a->gap, a->moved, &g, &toi) != CLOTH_IMPACT) return;
-  cloth_real share = a->stop || !(toi > (cloth_real)0.05) ? 0 : toi * (cloth_real)0.8;
+  cloth_real share = a->stop || !(toi > CLOTH_LIMIT_SOON) ? 0 : toi * CLOTH_LIMIT_WAY;
   uint32_t allowed = (uint32_t)(share * (cloth_real)CLOTH_WHOLE), lowest = CLOTH_RIDES;
   for (int k = 0; k < 4; k++) {
     uint32_t carrier = s->carrier[g.vertex[k]] & ~CLOTH_RIDES;

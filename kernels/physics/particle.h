@@ -3,8 +3,8 @@
 //
 // They may be as close as they are at rest, and two radii are enough: neighbours of a fine cloth
 // do not push each other. Stiffness is in units of the reduced mass over the sub-step squared, so
-// what it adds to the step limit does not depend on the mesh (src/spring/limit.c). The two compute
-// the same bits with opposite sign.
+// what it adds to the step limit does not depend on the mesh (cloth_spring_limit() of src/spring/).
+// The two compute the same bits with opposite sign.
 //
 // Source: S. Green, Particle simulation using CUDA, 2010 (spring between spheres, bins); the rest
 // distance as a bound: M. Mueller et al., Position based dynamics, 2007, section 4.3.

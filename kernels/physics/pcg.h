@@ -18,10 +18,10 @@ enum {
   CLOTH_PCG_BB,       // b' b of that, over the free rows
   CLOTH_PCG_DONE,     // 1: converged or broken down
   CLOTH_PCG_ITERATIONS,
-  CLOTH_PCG_RESIDUAL, // r'r of the true residual at the end
-  CLOTH_PCG_LARGEST,  // m, largest correction of a vertex
-  CLOTH_PCG_LEFT,     // m, how far the solve leaves a vertex from its place: pcg_residual.h
-  CLOTH_PCG_LOST,     // 1: another part did not answer (pcg_part.h)
+  CLOTH_PCG_RESIDUAL,        // r'r of the true residual at the end
+  CLOTH_PCG_LARGEST,         // m, largest correction of a vertex
+  CLOTH_PCG_RESIDUAL_LENGTH, // m, how far the solve leaves a vertex from its place: pcg_residual.h
+  CLOTH_PCG_LOST,            // 1: another part did not answer (pcg_part.h)
   CLOTH_PCG_SCALARS
 };
 

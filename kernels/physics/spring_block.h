@@ -11,8 +11,8 @@ enum { CLOTH_SPRING_BLOCK_MAX = 128 }; // sub-steps
 enum {
   CLOTH_SPRING_CANDIDATES, // of all rows
   CLOTH_SPRING_FULL,       // rows without room for them
-  CLOTH_SPRING_STRAYED,    // 1: somebody strayed, and the block has to be done again
-  CLOTH_SPRING_NEARLY,     // 1: somebody strayed half as far
+  CLOTH_SPRING_STRAYED,    // 1: a particle strayed too far, and the block is to be done again
+  CLOTH_SPRING_NEARLY,     // 1: a particle strayed half as far
   CLOTH_SPRING_AGAIN,      // searches that the block made for itself after the first
   CLOTH_SPRING_HEAD = 6    // what follows is aligned
 };
@@ -33,17 +33,18 @@ typedef struct cloth_spring_block_args {
   cloth_real *x_ref, *v_ref;     // [n x 3] the start is kept there; NULL: not watched
   cloth_real *x_saved, *v_saved; // [n x 3] as well; NULL: the step began earlier
   // Candidates are found first, from lists that begin with head[place] and go on with
-  // next[particle]; and again before a sub-step at whose start somebody has strayed, or that is told.
+  // next[particle]. Where a particle strays too far, they are found again before the next sub-step,
+  // or CLOTH_SPRING_STRAYED says that the block is to be done again.
   cloth_bin_search_args find; // start and particle are not used
   uint32_t *head, *next;      // [places], [n] scratch; NULL: nobody asks
 } cloth_spring_block_args;
 
-/// What changes.
-typedef struct cloth_spring_told {
+/// What differs from sub-step to sub-step.
+typedef struct cloth_spring_inputs {
   cloth_real h;        // s
   cloth_real wind[3];  // m/s
   cloth_real drift[3]; // m, how far all went on average
-} cloth_spring_told;
+} cloth_spring_inputs;
 
 /// Seconds from the start of the step to that of a sub-step.
 CLOTH_FN double cloth_spring_block_time(const cloth_spring_block_args *b, int sub_step)
@@ -51,10 +52,10 @@ CLOTH_FN double cloth_spring_block_time(const cloth_spring_block_args *b, int su
   return sub_step < b->sub_steps ? sub_step * b->sub_step : b->h;
 }
 
-/// What is told for sub-step k of the block.
-CLOTH_FN cloth_spring_told cloth_spring_told_at(const cloth_spring_block_args *b, int k)
+/// Of sub-step k of the block.
+CLOTH_FN cloth_spring_inputs cloth_spring_inputs_at(const cloth_spring_block_args *b, int k)
 {
-  cloth_spring_told t;
+  cloth_spring_inputs t;
   int n = b->begin + k;
   double time = cloth_spring_block_time(b, n), since = time - cloth_spring_block_time(b, b->begin);
   t.h = (cloth_real)(n + 1 < b->sub_steps ? b->sub_step : b->h - time);
@@ -66,8 +67,8 @@ CLOTH_FN cloth_spring_told cloth_spring_told_at(const cloth_spring_block_args *b
 }
 
 /// Arguments of sub-step k, but for the buffers.
-CLOTH_FN void cloth_spring_tell(const cloth_spring_block_args *b, int k, const cloth_spring_told *t,
-                                cloth_spring_step_args *a)
+CLOTH_FN void cloth_spring_inputs_set(const cloth_spring_block_args *b, int k,
+                                      const cloth_spring_inputs *t, cloth_spring_step_args *a)
 {
   a->h = t->h;
   for (int c = 0; c < 3; c++) a->air.wind[c] = t->wind[c], a->drift[c] = t->drift[c];

@@ -119,8 +119,8 @@ CLOTH_FN int cloth_spring_strayed(const cloth_spring_step_args *a, cloth_v3 x, c
   return !(far_sq <= most_sq) ? 2 : !(4 * far_sq <= most_sq) ? 1 : 0;
 }
 
-/// Tell of it.
-CLOTH_FN void cloth_spring_strayed_tell(const cloth_spring_step_args *a, int far)
+/// Into `strayed`.
+CLOTH_FN void cloth_spring_strayed_note(const cloth_spring_step_args *a, int far)
 {
   if (far > 0) cloth_atomic_or(a->strayed + 1, 1);
   if (far > 1) cloth_atomic_or(a->strayed, 1);
@@ -167,7 +167,7 @@ CLOTH_FN void cloth_spring_step(int row, const cloth_spring_step_args *a)
   if (a->particles.count > 0)
     f = cloth_v3_add(f, cloth_particle_sum(&a->particles, row, i, a->x, a->v, &with_particles));
   if (a->x_ref)
-    cloth_spring_strayed_tell(a, cloth_spring_strayed(a, x, cloth_v3_load(a->x_ref, i)));
+    cloth_spring_strayed_note(a, cloth_spring_strayed(a, x, cloth_v3_load(a->x_ref, i)));
   cloth_spring_move(a, &p, f, &x, &v, &impulse, &with_bodies);
   if (p.slot >= 0) cloth_spring_impulse_add(a, p.slot, impulse);
   cloth_v3_store(a->x_next, i, x);

@@ -1,4 +1,4 @@
-// Normals along which two features may be apart: for the searches of toi.h and toi_tilt.h.
+// Normals along which two features may be apart: for the searches of toi.h and toi_turn.h.
 #pragma once
 
 #include "distance.h"

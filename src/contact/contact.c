@@ -255,8 +255,7 @@ cloth_status cloth_contact_add_impacts(cloth_sim *sim, cloth_error *err)
 
 cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err)
 {
-  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
-                                                      : CLOTH_EFFECT_body_contact;
+  sim->owner = cloth_contact_owner(sim);
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     cloth_contact_force_args a = {.vertex = p->contact_vertex,

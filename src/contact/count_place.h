@@ -1,7 +1,8 @@
-// Whose the numbers are that kernels count and the host reads (contact/count.h).
+// Counters that kernels count up and the host reads (contact/count.h): a *place* is the index of
+// one, or of the first of two that lie side by side.
 #pragma once
 
-/// Each is of one kernel; those of "a; b" are two numbers side by side.
+/// Each is of one kernel; "a; b" are two side by side.
 typedef enum cloth_count_place {
   CLOTH_COUNT_ESCAPED = 0,   // vertices and squares that left their regions; close pairs' vertices
   CLOTH_COUNT_CONTACTS = 2,  // contacts; close pairs
@@ -17,6 +18,6 @@ typedef enum cloth_count_place {
 } cloth_count_place;
 
 enum {
-  CLOTH_COUNTS = 18,      // numbers
+  CLOTH_COUNTS = 18,      // counters
   CLOTH_COUNT_ROUNDS = 64 // times that a place is cleared before the device is asked to
 };

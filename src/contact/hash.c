@@ -19,6 +19,7 @@
 #include <math.h>
 
 enum { ENTRIES_USUAL = 64, ENTRIES_ALWAYS = 1 << 16 }; // cells for each triangle, and for all
+enum { CELLS_MOST = 1 << 10 };                         // along an axis: keys of 30 bits
 
 typedef struct hash {
   cloth_grid grid;
@@ -55,7 +56,8 @@ static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, clot
   return CLOTH_OK;
 }
 
-// cells about as large as a swept triangle's box, times `coarser`; the grid spans the cloth
+// Cells about as large as a swept triangle's box, times `coarser`; the grid spans the cloth. Their
+// size decides how long a search takes, not which pairs it finds.
 static cloth_grid choose_grid(const cloth_sim *sim, double gap, double slack, double coarser)
 {
   double sweep = fmin(sim->speed_last * sim->h, 4 * sim->mean_edge);
@@ -66,7 +68,7 @@ static cloth_grid choose_grid(const cloth_sim *sim, double gap, double slack, do
                   (double)sim->cloth_box.hi.z};
   double reach = gap + slack, longest = 0;
   for (int k = 0; k < 3; k++) longest = fmax(longest, hi[k] - lo[k] + 2 * reach);
-  cell = fmax(cell, longest / 1023);
+  cell = fmax(cell, longest / (CELLS_MOST - 1));
   cloth_grid g;
   g.inverse = (cloth_real)(1 / cell);
   for (int k = 0; k < 3; k++) {

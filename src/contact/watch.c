@@ -19,6 +19,8 @@ enum {
 #define SLACK       0.3
 #define SLACK_LEAST 0.05
 #define SLACK_MOST  1.0
+#define SLACK_GROWS 1.25 // factors when pairs are chosen anew
+#define SLACK_FALLS 0.8
 #define MARGIN      1.05 // of the thickness: what is watched, and some for rounding
 
 void cloth_watch_forget(cloth_sim *sim) { sim->watch.known = sim->watch.covers = false; }
@@ -133,7 +135,7 @@ static void adapt(cloth_sim *sim, bool strayed)
   for (int i = 0; i < sim->part_count; i++)
     all += sim->part[i].pair_count, watched += sim->part[i].watch_count;
   bool larger = strayed && watched * (w->used + 1) < all;
-  double slack = w->slack / sim->params.thickness * (larger ? 1.25 : 0.8);
+  double slack = w->slack / sim->params.thickness * (larger ? SLACK_GROWS : SLACK_FALLS);
   slack = slack < SLACK_LEAST ? SLACK_LEAST : slack > SLACK_MOST ? SLACK_MOST : slack;
   w->slack = slack * sim->params.thickness;
 }

@@ -32,24 +32,30 @@ static cloth_status prepare(cloth_sim *sim, cloth_part *part, cloth_error *err)
   return status;
 }
 
+static void coefficients(const cloth_material *m, double *row)
+{
+  row[0] = m->drag, row[1] = m->skin_drag;
+}
+
 static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
-  double drag[2 * 64];
-  int cloths = sim->def->cloth_count < 64 ? sim->def->cloth_count : 64;
-  for (int c = 0; c < cloths; c++) {
-    drag[2 * c] = sim->def->cloth[c].material.drag;
-    drag[2 * c + 1] = sim->def->cloth[c].material.skin_drag;
-  }
   size_t n = (size_t)part->drag.count;
-  CLOTH_TRY(cloth_upload_real(sim, part, "drag", drag, 2 * cloths, &part->drag_coefficient, err));
+  CLOTH_TRY(
+      cloth_upload_materials(sim, part, "drag", 2, coefficients, &part->drag_coefficient, err));
   CLOTH_TRY(cloth_take(sim, part, "force", sizeof(cloth_real) * 3 * n, &part->drag_force, err));
   return cloth_take(sim, part, "tangent", sizeof(cloth_real) * 6 * n, &part->drag_tangent, err);
+}
+
+double cloth_gust(const cloth_params *params, double time)
+{
+  const double pi = 3.14159265358979323846;
+  return 1 + params->gust * sin(2 * pi * time / params->gust_period);
 }
 
 static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   const cloth_params *q = &sim->params;
-  double swell = 1 + q->gust * sin(2 * 3.14159265358979323846 * sim->time_t0 / q->gust_period);
+  double gust = cloth_gust(q, sim->time_t0);
   cloth_drag_args a = {.triangle = p->drag.vertex,
                        .material = p->drag_material,
                        .drag = p->drag_coefficient,
@@ -59,7 +65,7 @@ static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)
                        .x_t0 = cloth_step_from(sim, p),
                        .force = p->drag_force,
                        .tangent = p->drag_tangent};
-  for (int k = 0; k < 3; k++) a.wind[k] = (cloth_real)(swell * q->wind[k]);
+  for (int k = 0; k < 3; k++) a.wind[k] = (cloth_real)(gust * q->wind[k]);
   return cloth_launch(sim, p, CLOTH_KERNEL_drag, p->drag.count, &a, err);
 }
 

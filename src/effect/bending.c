@@ -27,19 +27,19 @@ static bool wanted(const cloth_sim *sim, char why[160])
   return false;
 }
 
+static void measured(const cloth_material *m, double *row)
+{
+  memcpy(row, m->measured_bending, sizeof m->measured_bending);
+}
+
 // the tables of measured fabrics, if there is one, and where in them each patch looks
 static cloth_status prepare_measured(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
   const cloth_bend_rest *r = sim->bend_rest;
-  double table[15 * 64];
   bool any = false;
-  int n = part->bend.count, cloths = sim->def->cloth_count;
-  if (cloths > 64) CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "%d cloths: at most 64", cloths);
-  for (int c = 0; c < cloths; c++) {
-    const cloth_material *m = &sim->def->cloth[c].material;
-    memcpy(table + 15 * c, m->measured_bending, sizeof m->measured_bending);
-    any |= m->measured_bending[0] > 0;
-  }
+  int n = part->bend.count;
+  for (int c = 0; c < sim->def->cloth_count; c++)
+    any |= sim->def->cloth[c].material.measured_bending[0] > 0;
   if (!any || r->corners != 6) return CLOTH_OK;
   double *direction = malloc(sizeof(double) * 6 * (size_t)(n + 1));
   int *material = malloc(sizeof(int) * (size_t)(n + 1));
@@ -60,7 +60,7 @@ static cloth_status prepare_measured(cloth_sim *sim, cloth_part *part, cloth_err
                               &part->bend_material, err),
                  status, done);
   CLOTH_TRY_GOTO(
-      cloth_upload_real(sim, part, "measured", table, 15 * cloths, &part->bend_measured, err),
+      cloth_upload_materials(sim, part, "measured", 15, measured, &part->bend_measured, err),
       status, done);
   status = CLOTH_OK;
 done:

@@ -54,6 +54,21 @@ void cloth_effect_activate(cloth_sim *sim, cloth_effect_index effect, const char
   snprintf(sim->why[effect], sizeof sim->why[effect], "%s", why);
 }
 
+cloth_status cloth_upload_materials(cloth_sim *sim, cloth_part *part, const char *name, int width,
+                                    void (*row)(const cloth_material *m, double *out),
+                                    cloth_real **out, cloth_error *err)
+{
+  size_t cloths = (size_t)sim->def->cloth_count, n = (size_t)width * cloths;
+  double numbers[CLOTH_MATERIAL_ROW];
+  CLOTH_TRY(cloth_staging(sim, n, err));
+  for (size_t c = 0; c < cloths; c++) {
+    row(&sim->def->cloth[c].material, numbers);
+    for (int k = 0; k < width; k++)
+      sim->host[(size_t)width * c + (size_t)k] = (cloth_real)numbers[k];
+  }
+  return cloth_upload(sim, part, name, sim->host, sizeof(cloth_real) * n, out, err);
+}
+
 cloth_status cloth_effects_prepare(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
   for (int e = 0; e < CLOTH_EFFECT_COUNT; e++) {

@@ -1,6 +1,6 @@
 // An effect is one physical model that a scene may call for. A module is one constant table,
-// defined in effect/<name>.c, and usually one element kernel in kernels/physics/. Adding one: its
-// file, one line in effects.inl, its kernel in kernels.inl; its source is found by the build.
+// defined in effect/<name>.c, and usually one element kernel in kernels/physics/. How to add one:
+// doc/engine.md, "Where a new effect goes".
 //
 // What is not wanted allocates no byte and launches no kernel: `prepare` and `apply` are only
 // called for active effects, and everything taken or launched inside them is charged to the effect.
@@ -45,3 +45,20 @@ cloth_status cloth_effects_prepare(cloth_sim *sim, cloth_part *part, cloth_error
 
 /// Switch on an effect that a running scene came to need (the first grasp).
 void cloth_effect_activate(cloth_sim *sim, cloth_effect_index effect, const char *why);
+
+/// Who is charged with what contact of cloth with cloth and with bodies have in common.
+static inline int cloth_contact_owner(const cloth_sim *sim)
+{
+  return sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
+                                                : CLOTH_EFFECT_body_contact;
+}
+
+enum { CLOTH_MATERIAL_ROW = 24 }; // most numbers of a row
+
+/// A row [width] of each cloth, made of its material, to a part: *out [cloths x width].
+cloth_status cloth_upload_materials(cloth_sim *sim, cloth_part *part, const char *name, int width,
+                                    void (*row)(const cloth_material *m, double *out),
+                                    cloth_real **out, cloth_error *err);
+
+/// Factor on the mean wind at a time [s].
+double cloth_gust(const cloth_params *params, double time);

@@ -55,7 +55,7 @@ done:
 }
 
 // c11, c12, c22, c33 of the plane-stress orthotropic law from the engineering constants
-static void stiffness_of(const cloth_material *m, double c[4])
+static void stiffness(const cloth_material *m, double *c)
 {
   double nu = m->poisson;
   double nu_weft = m->stretch_warp > 0 ? nu * m->stretch_weft / m->stretch_warp : 0; // reciprocity
@@ -65,70 +65,48 @@ static void stiffness_of(const cloth_material *m, double c[4])
   c[3] = m->shear;
 }
 
-// the tables of measured fabrics, if there is one
-static cloth_status upload_measured(cloth_sim *sim, cloth_part *part, cloth_error *err)
+static void measured(const cloth_material *m, double *row)
 {
-  double table[24 * 64];
-  bool any = false;
-  for (int c = 0; c < sim->def->cloth_count; c++) {
-    const cloth_material *m = &sim->def->cloth[c].material;
-    memcpy(table + 24 * c, m->measured_stretching, sizeof m->measured_stretching);
-    any |= m->measured_stretching[0] > 0;
-  }
-  if (!any) return CLOTH_OK;
-  return cloth_upload_real(sim, part, "measured", table, 24 * sim->def->cloth_count,
-                           &part->membrane_measured, err);
+  memcpy(row, m->measured_stretching, sizeof m->measured_stretching);
 }
 
 enum { LIMIT_STIFFENING = 100 }; // slope beyond the strain limit, in stretch stiffnesses
 
-// where fabrics lock and how hard, if one does
-static cloth_status upload_limit(cloth_sim *sim, cloth_part *part, cloth_error *err)
+// where the fabric locks [Green strain] and how hard [N/m]
+static void limit(const cloth_material *m, double *law)
 {
-  double law[2 * 64];
-  bool any = false;
-  for (int c = 0; c < sim->def->cloth_count; c++) {
-    const cloth_material *m = &sim->def->cloth[c].material;
-    double most = fmax(m->stretch_warp, m->stretch_weft), e = m->strain_limit;
-    for (int k = 0; k < 24 && m->measured_stretching[0] > 0; k++)
-      if (k % 4 == 0 || k % 4 == 2) most = fmax(most, 2 * m->measured_stretching[k]);
-    law[2 * c] = e + e * e / 2; // Green strain
-    law[2 * c + 1] = e > 0 ? LIMIT_STIFFENING * most : 0;
-    any |= e > 0;
-  }
-  if (!any) return CLOTH_OK;
-  return cloth_upload_real(sim, part, "limit", law, 2 * sim->def->cloth_count,
-                           &part->membrane_limit, err);
+  double most = fmax(m->stretch_warp, m->stretch_weft), e = m->strain_limit;
+  for (int k = 0; k < 24 && m->measured_stretching[0] > 0; k++)
+    if (k % 4 == 0 || k % 4 == 2) most = fmax(most, 2 * m->measured_stretching[k]);
+  law[0] = e + e * e / 2;
+  law[1] = e > 0 ? LIMIT_STIFFENING * most : 0;
 }
 
 static cloth_status upload(cloth_sim *sim, cloth_part *part, cloth_error *err)
 {
-  double stiffness[4 * 64];
   int cloths = sim->def->cloth_count;
-  if (cloths > 64) CLOTH_FAIL(err, CLOTH_UNSUPPORTED, "%d cloths: at most 64", cloths);
+  bool any_measured = false, any_limit = false;
   for (int c = 0; c < cloths; c++) {
-    const cloth_material *m = &sim->def->cloth[c].material;
-    stiffness_of(m, stiffness + 4 * c);
-    if (!(stiffness[4 * c] * stiffness[4 * c + 2] >= stiffness[4 * c + 1] * stiffness[4 * c + 1]))
-      CLOTH_FAIL(
-          err, CLOTH_BAD_SCENE,
-          "cloth %s: poisson = %g with stretch_warp = %g and stretch_weft = %g N/m is not stable: "
-          "poisson^2 stretch_weft must be below stretch_warp",
-          sim->def->cloth[c].name, m->poisson, m->stretch_warp, m->stretch_weft);
+    any_measured |= sim->def->cloth[c].material.measured_stretching[0] > 0;
+    any_limit |= sim->def->cloth[c].material.strain_limit > 0;
   }
-  CLOTH_TRY(upload_measured(sim, part, err));
-  CLOTH_TRY(upload_limit(sim, part, err));
+  if (any_measured)
+    CLOTH_TRY(
+        cloth_upload_materials(sim, part, "measured", 24, measured, &part->membrane_measured, err));
+  if (any_limit)
+    CLOTH_TRY(cloth_upload_materials(sim, part, "limit", 2, limit, &part->membrane_limit, err));
+  CLOTH_TRY(
+      cloth_upload_materials(sim, part, "stiffness", 4, stiffness, &part->membrane_stiffness, err));
   size_t n = (size_t)part->membrane.count;
-  CLOTH_TRY(cloth_upload_real(sim, part, "stiffness", stiffness, 4 * cloths,
-                              &part->membrane_stiffness, err));
   CLOTH_TRY(cloth_take(sim, part, "damping", sizeof(cloth_real) * (size_t)cloths,
                        &part->membrane_damping, err));
   CLOTH_TRY(cloth_take(sim, part, "force", sizeof(cloth_real) * 9 * n, &part->membrane_force, err));
   CLOTH_TRY(
       cloth_take(sim, part, "tangent", sizeof(cloth_real) * 45 * n, &part->membrane_tangent, err));
   CLOTH_TRY(cloth_take(sim, part, "stretch", sizeof(cloth_real) * n, &part->stretch, err));
-  return cloth_take(sim, part, "stretch_largest", sizeof(cloth_real) * (n / 63 + 8),
-                    &part->stretch_largest, err);
+  return cloth_take(sim, part, "stretch_largest",
+                    sizeof(cloth_real) * (size_t)cloth_chunk_levels((int)n), &part->stretch_largest,
+                    err);
 }
 
 static cloth_status apply(cloth_sim *sim, cloth_part *p, cloth_error *err)

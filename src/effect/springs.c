@@ -6,7 +6,7 @@
 
 static bool wanted(const cloth_sim *sim, char why[160])
 {
-  snprintf(why, 160, "integrator backward_euler has membrane and bending instead");
+  snprintf(why, 160, "implicit integrators have membrane and bending instead");
   if (!cloth_is_mass_spring(sim)) return false;
   for (int c = 0; c < sim->def->cloth_count; c++) {
     const cloth_material *m = &sim->def->cloth[c].material;

@@ -27,6 +27,14 @@ cloth_status cloth_elements_select(const cloth_part *part, int count, int corner
   return CLOTH_OK;
 }
 
+// All elements that write slots: those of a new effect go here. Where `coupled`, their corners are
+// coupled in the matrix.
+enum { KINDS = 3 };
+static void kinds_of(cloth_part *part, cloth_elements *kind[KINDS])
+{
+  kind[0] = &part->membrane, kind[1] = &part->bend, kind[2] = &part->drag;
+}
+
 // the columns of each row, ascending, the row itself first
 typedef struct row_columns {
   int rows;
@@ -54,10 +62,13 @@ static size_t list_blocks(const cloth_part *part, const cloth_elements *e, uint6
   return n;
 }
 
-static cloth_status find_columns(const cloth_part *part, row_columns *r, cloth_error *err)
+static cloth_status find_columns(cloth_part *part, row_columns *r, cloth_error *err)
 {
+  cloth_elements *kind[KINDS];
+  size_t n = 0;
+  kinds_of(part, kind);
   r->rows = part->v1 - part->v0;
-  size_t n = count_blocks(&part->membrane) + count_blocks(&part->bend);
+  for (int k = 0; k < KINDS; k++) n += count_blocks(kind[k]);
   uint64_t *key = malloc(sizeof *key * (n + 1)), *spare = malloc(sizeof *key * (n + 1));
   r->first = malloc(sizeof(int) * ((size_t)r->rows + 1));
   r->col = malloc(sizeof(int) * (n + (size_t)r->rows + 1));
@@ -65,8 +76,8 @@ static cloth_status find_columns(const cloth_part *part, row_columns *r, cloth_e
     free(key), free(spare);
     CLOTH_FAIL(err, CLOTH_NO_MEMORY, "matrix pattern: %zu blocks", n);
   }
-  n = list_blocks(part, &part->membrane, key);
-  n += list_blocks(part, &part->bend, key + n);
+  n = 0;
+  for (int k = 0; k < KINDS; k++) n += list_blocks(part, kind[k], key + n);
   cloth_cpu_sort((int)n, 64, key, NULL, spare, NULL, 1);
   int filled = 0;
   size_t i = 0;
@@ -183,9 +194,10 @@ cloth_status cloth_pattern_build(cloth_sim *sim, cloth_part *part, cloth_error *
   cloth_status status = find_columns(part, &r, err);
   if (status == CLOTH_OK) status = upload_rows(sim, part, &r, err);
   if (status == CLOTH_OK) status = cloth_halo_build(sim, part, r.first, r.col, err);
-  cloth_elements *list[] = {&part->membrane, &part->bend, &part->drag};
-  for (int i = 0; i < 3; i++) {
-    cloth_elements *e = list[i];
+  cloth_elements *kind[KINDS];
+  kinds_of(part, kind);
+  for (int k = 0; k < KINDS; k++) {
+    cloth_elements *e = kind[k];
     sim->owner = e->owner;
     if (status == CLOTH_OK) status = upload_incidence(sim, part, &r, e, err);
     free(e->host_vertex), free(e->which);

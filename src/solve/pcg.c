@@ -27,8 +27,9 @@
 #include <math.h>
 
 // In float and cloth of a million times its inertia, rounding may have the iteration break down, or
-// believe in a residual that is not the true one. Then more than this share is left of that.
-#define ASTRAY 0.1
+// believe in a residual that is not the true one. A solve has failed that says it converged with a
+// true residual above this share of the right-hand side.
+#define FAILED_RESIDUAL 0.1
 
 cloth_pcg_vectors cloth_solve_vectors(const cloth_sim *sim, const cloth_part *p)
 {
@@ -396,10 +397,10 @@ static double relative_of(const cloth_real scalar[CLOTH_PCG_SCALARS])
   return bb > 0 ? sqrt(rr / bb) : 0;
 }
 
-bool cloth_solve_astray(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])
+bool cloth_solve_failed(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])
 {
   return scalar[CLOTH_PCG_DONE] > 0 &&
-         !(relative_of(scalar) <= fmax(ASTRAY, 10 * sim->params.pcg_tolerance));
+         !(relative_of(scalar) <= fmax(FAILED_RESIDUAL, 10 * sim->params.pcg_tolerance));
 }
 
 cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
@@ -412,13 +413,13 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
   CLOTH_TRY(cloth_solve(sim, scalar, err));
   *correction = (double)scalar[CLOTH_PCG_LARGEST];
   bool done = scalar[CLOTH_PCG_DONE] > 0, worse;
-  CLOTH_TRY(cloth_solve_left(sim, scalar, correction, &worse, err));
+  CLOTH_TRY(cloth_solve_refine(sim, scalar, correction, &worse, err));
 
   double relative = relative_of(scalar);
   cloth_step_report *report = sim->report;
   report->newton_iterations++;
-  sim->astray = worse || cloth_solve_astray(sim, scalar);
-  report->pcg_unconverged += !done || sim->astray;
+  sim->solve_failed = worse || cloth_solve_failed(sim, scalar);
+  report->pcg_unconverged += !done || sim->solve_failed;
   if (!(relative <= report->pcg_residual)) report->pcg_residual = relative;
   return CLOTH_OK;
 }

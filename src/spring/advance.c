@@ -78,9 +78,8 @@ static const cloth_real *wind_of(cloth_sim *sim, const cloth_spring_frame *f, in
   bool gusts = sim->active[CLOTH_EFFECT_air] && q->gust > 0;
   for (int c = 0; c < 3; c++) mean[c] = (cloth_real)q->wind[c];
   for (int k = 0; k < end - begin && gusts; k++) {
-    double t = sim->time + cloth_spring_time(f, begin + k);
-    double share = 1 + q->gust * sin(2 * 3.14159265358979323846 * t / q->gust_period);
-    for (int c = 0; c < 3; c++) sim->springs.wind[3 * k + c] = (cloth_real)(share * q->wind[c]);
+    double gust = cloth_gust(q, sim->time + cloth_spring_time(f, begin + k));
+    for (int c = 0; c < 3; c++) sim->springs.wind[3 * k + c] = (cloth_real)(gust * q->wind[c]);
   }
   return gusts ? sim->springs.wind : NULL;
 }
@@ -140,8 +139,8 @@ static cloth_status run_each(cloth_sim *sim, const cloth_spring_frame *f, int be
     for (int i = 0; i < sim->part_count; i++) {
       cloth_part *p = &sim->part[i];
       cloth_spring_step_args a = block[i].step;
-      cloth_spring_told told = cloth_spring_told_at(&block[i], k);
-      cloth_spring_tell(&block[i], k, &told, &a);
+      cloth_spring_inputs inputs = cloth_spring_inputs_at(&block[i], k);
+      cloth_spring_inputs_set(&block[i], k, &inputs, &a);
       a.x = p->x_t0, a.v = p->v, a.x_next = p->x, a.v_next = p->v_next;
       CLOTH_LAUNCH(sim, p, spring_step, p->v1 - p->v0, &a, err);
     }
@@ -294,6 +293,8 @@ static cloth_status run_all(cloth_sim *sim, cloth_spring_frame *f, totals *t, cl
   return CLOTH_OK;
 }
 
+#define MEAN_MOST 1e3 // m/s; a mean beyond it, as NaN, is none to go on from
+
 static void commit(cloth_sim *sim, double h, const totals *t, bool *good)
 {
   cloth_springs *s = &sim->springs;
@@ -301,7 +302,7 @@ static void commit(cloth_sim *sim, double h, const totals *t, bool *good)
   *good = t->worst <= sim->params.bounds;
   for (int c = 0; c < 3; c++) {
     double mean = t->sum[VELOCITY + c] / sim->vertex_count;
-    bool usable = fabs(mean) < 1e3; // false for NaN
+    bool usable = fabs(mean) < MEAN_MOST;
     s->mean_change[c] = usable ? (mean - s->mean[c]) / h : 0;
     s->mean[c] = usable ? mean : 0;
   }

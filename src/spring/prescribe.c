@@ -1,4 +1,4 @@
-// What is told and not computed: where held particles and bodies are at each sub-step of a block.
+// Prescribed motion: where held particles and bodies are at each sub-step of a block.
 // All of it is written before the block starts, so that the sub-steps need nothing of the host.
 #include "effect/effect.h"
 
@@ -121,16 +121,17 @@ void cloth_spring_wrenches_scale(cloth_sim *sim, double factor)
 static bool resting_known(const cloth_sim *sim, size_t count)
 {
   const cloth_springs *s = &sim->springs;
-  return s->told_count == count && memcmp(s->told, sim->host, sizeof *s->told * count) == 0;
+  return s->rest_pose_count == count &&
+         memcmp(s->rest_pose, sim->host, sizeof *s->rest_pose * count) == 0;
 }
 
 static cloth_status resting_keep(cloth_sim *sim, size_t count, cloth_error *err)
 {
   cloth_springs *s = &sim->springs;
-  cloth_real *told = realloc(s->told, sizeof *told * count);
-  if (told == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "poses: %zu numbers", count);
-  s->told = told, s->told_count = count;
-  memcpy(told, sim->host, sizeof *told * count);
+  cloth_real *rest_pose = realloc(s->rest_pose, sizeof *rest_pose * count);
+  if (rest_pose == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "poses: %zu numbers", count);
+  s->rest_pose = rest_pose, s->rest_pose_count = count;
+  memcpy(rest_pose, sim->host, sizeof *rest_pose * count);
   return CLOTH_OK;
 }
 
@@ -156,7 +157,7 @@ cloth_status cloth_spring_poses_write(cloth_sim *sim, cloth_spring_frame *f, int
     }
   sim->report->bodies_near = bodies;
   if (rows == 1 && resting_known(sim, row)) return CLOTH_OK;
-  sim->springs.told_count = 0;
+  sim->springs.rest_pose_count = 0;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     CLOTH_TRY(cloth_grow(sim, p, "shape_pose", bytes, &p->spring.shape_pose, err));

@@ -37,7 +37,7 @@ cloth_status cloth_spring_add(cloth_springs *s, const cloth_spring *spring, clot
 
 void cloth_springs_free(cloth_springs *s)
 {
-  free(s->list), free(s->stiffness), free(s->damping), free(s->told);
+  free(s->list), free(s->stiffness), free(s->damping), free(s->rest_pose);
 }
 
 // ---- step limit ---------------------------------------------------------------------------------

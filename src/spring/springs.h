@@ -38,8 +38,8 @@ typedef struct cloth_springs {
   int block;                                   // sub-steps that may go well
   double mean[3], mean_change[3];              // m/s, m/s^2: how all particles moved on average
   cloth_real wind[3 * CLOTH_SPRING_BLOCK_MAX]; // m/s, of the sub-steps of a block
-  cloth_real *told;                            // poses of bodies that rest, as the parts have them
-  size_t told_count;
+  cloth_real *rest_pose;                       // poses of bodies that rest, as the parts have them
+  size_t rest_pose_count;
 } cloth_springs;
 
 /// On the device of a part.
@@ -97,7 +97,7 @@ double cloth_spring_stray(const struct cloth_sim *sim);
 
 typedef struct cloth_spring_verdict {
   bool room;            // all candidates found room
-  bool strayed, nearly; // somebody strayed since the search, went half as far
+  bool strayed, nearly; // a particle strayed too far since the search; half as far
 } cloth_spring_verdict;
 
 /// What the counts of a search say: adds to the verdict, and makes room if there was none.

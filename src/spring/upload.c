@@ -89,8 +89,9 @@ static cloth_status upload_triangles(cloth_sim *sim, cloth_part *p, cloth_error 
   free(p->membrane.host_vertex), free(p->membrane.which);
   p->membrane.host_vertex = p->membrane.which = NULL;
   CLOTH_TRY(cloth_take(sim, p, "stretch", sizeof(cloth_real) * n, &p->stretch, err));
-  return cloth_take(sim, p, "stretch_largest", sizeof(cloth_real) * (n / 63 + 8),
-                    &p->stretch_largest, err);
+  return cloth_take(sim, p, "stretch_largest",
+                    sizeof(cloth_real) * (size_t)cloth_chunk_levels((int)n), &p->stretch_largest,
+                    err);
 }
 
 // ---- air ----------------------------------------------------------------------------------------
@@ -98,7 +99,7 @@ static cloth_status upload_triangles(cloth_sim *sim, cloth_part *p, cloth_error 
 static cloth_status upload_air(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   int rows = p->v1 - p->v0, corners = 3 * sim->triangle_count;
-  uint32_t *first = calloc(2 * ((size_t)rows + 1), sizeof *first), *next = first + rows + 1;
+  uint32_t *first = calloc(2 * ((size_t)rows + 1), sizeof *first), *next;
   int *triangle = malloc(sizeof *triangle * (3 * (size_t)corners + 1));
   double *drag = malloc(sizeof *drag * (2 * (size_t)rows + 1));
   cloth_status status = CLOTH_NO_MEMORY;
@@ -109,6 +110,7 @@ static cloth_status upload_air(cloth_sim *sim, cloth_part *p, cloth_error *err)
   for (int i = 0; i < corners; i++)
     if (is_mine(p, sim->triangle[i])) first[sim->triangle[i] - p->v0]++;
   begin_rows(first, rows);
+  next = first + rows + 1;
   memcpy(next, first, sizeof *next * (size_t)rows);
   for (int i = 0; i < corners; i++)
     if (is_mine(p, sim->triangle[i]))
@@ -197,7 +199,7 @@ cloth_status cloth_springs_upload(cloth_sim *sim, cloth_part *p, cloth_error *er
   if (sim->active[CLOTH_EFFECT_air]) CLOTH_TRY(upload_air(sim, p, err));
   sim->owner = CLOTH_EFFECT_body_contact;
   if (body) CLOTH_TRY(upload_bodies(sim, p, err));
-  sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
+  sim->owner = cloth_contact_owner(sim);
   if (self || body)
     CLOTH_TRY(cloth_take(sim, p, "touch", sizeof(uint32_t) * 2 * n, &p->spring.touch, err));
   sim->owner = CLOTH_CORE;

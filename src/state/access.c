@@ -102,7 +102,7 @@ cloth_status cloth_sim_reset(void *data, cloth_error *err)
   for (int b = 0; b < sim->def->body_count; b++) {
     const cloth_body_def *d = &sim->def->body[b];
     sim->body[b].now = sim->body[b].target = cloth_motion_at(&d->motion, d->pose, 0);
-    sim->body[b].told = false;
+    sim->body[b].commanded = false;
   }
   memset(sim->pin_broken, 0, (size_t)sim->def->pin_count);
   for (int h = 0; h < sim->hold_count; h++) sim->hold[h].alive = false;
@@ -120,7 +120,7 @@ cloth_status cloth_sim_body_move(void *data, int body, const cloth_pose *pose, c
   cloth_sim *sim = data;
   (void)err;
   sim->body[body].target = *pose;
-  sim->body[body].told = true;
+  sim->body[body].commanded = true;
   return CLOTH_OK;
 }
 
@@ -129,7 +129,7 @@ cloth_status cloth_sim_body_place(void *data, int body, const cloth_pose *pose, 
   cloth_sim *sim = data;
   (void)err;
   sim->body[body].now = sim->body[body].target = *pose;
-  sim->body[body].told = true;
+  sim->body[body].commanded = true;
   sim->pairs_valid = false;
   cloth_body_settle(sim);
   return CLOTH_OK;

@@ -11,7 +11,6 @@
 #include "state/part.h"
 #include "transport/spread.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

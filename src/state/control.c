@@ -1,7 +1,6 @@
 #include "state/control.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { PARTS_MOST = 100, CUT_MOST = 8, GROWTH_MOST = 4 };
 
@@ -11,6 +10,9 @@ enum { PARTS_MOST = 100, CUT_MOST = 8, GROWTH_MOST = 4 };
 #define AIM   0.8
 #define AIM_2 0.5
 #define SPIKE 2.0
+// The parts of the next step: at least half of this one's; fewer only where these are not enough.
+#define FALL    0.5
+#define AS_GOOD 0.8
 // Where a part of the length leaves this share of the error per second, cutting helps; else
 // velocities jump (something hit), which no length resolves.
 #define CURED 0.75
@@ -67,8 +69,8 @@ void cloth_control_add(cloth_sim *sim, double estimate)
 static int parts_next(const cloth_sim *sim, double share, int parts)
 {
   double want = ceil(parts * (sim->control.second_order ? sqrt(share / AIM_2) : share / AIM));
-  if (want >= 0.8 * parts && want < parts) want = parts;
-  want = fmin(fmax(want, ceil(0.5 * parts)), GROWTH_MOST * parts);
+  if (want >= AS_GOOD * parts && want < parts) want = parts;
+  want = fmin(fmax(want, ceil(FALL * parts)), GROWTH_MOST * parts);
   return (int)fmin(fmax(want, 1), PARTS_MOST);
 }
 

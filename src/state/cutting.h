@@ -1,17 +1,17 @@
-// How a step is cut into substeps, and when one is repeated at half its length (numerics: step
-// control). A step begins as finely as bodies, holds and the steps before it ask for.
+// How a step is cut into substeps, and when one is repeated at half its length. A step begins as
+// finely as bodies, holds and the steps before it ask for. Why: doc/engine.md.
 #pragma once
 
 #include "state/sim.h"
 
-// TOUCHES: no substep of order 2, because contact acts; again with backward Euler
+/// How a substep ended.
 typedef enum cloth_outcome {
-  OUTCOME_GOOD,
-  OUTCOME_IMPACTS,
-  OUTCOME_ROUGH,
-  OUTCOME_CROWDED,
-  OUTCOME_TOUCHES,
-  OUTCOME_UNSTABLE
+  OUTCOME_GOOD,    // it stands
+  OUTCOME_IMPACTS, // impacts are left that nothing could resolve
+  OUTCOME_ROUGH,   // far from what was linearised: a large last correction, or vertices moved far
+  OUTCOME_CROWDED, // so many impacts of cloth with cloth that zones would grind
+  OUTCOME_TOUCHES, // no substep of order 2, because contact acts: again with backward Euler
+  OUTCOME_UNSTABLE // a vertex is not finite, or beyond all that the cloth spans
 } cloth_outcome;
 
 /// How a step is cut.
@@ -35,9 +35,9 @@ double cloth_crowded(const cloth_sim *sim);
 /// May a substep with this outcome, impacts left aside, be repeated at half its length?
 bool cloth_may_cut(const cloth_sim *sim, const cloth_cutting *cutting, cloth_outcome result);
 
-/// Is the substep repeated at half its length? Where earlier impacts were left or a body was placed,
-/// or where half the length left more than half of the impacts, and many, there is no room, and
-/// smaller steps make none. (What intersected at the start is kept as it is: there they may.)
+/// Is the substep repeated at half its length? Where earlier impacts were left or a body was
+/// placed, or where half the length left more than half of the impacts, and many, there is no room,
+/// and smaller steps make none. (What intersected at the start is kept as it is: there they may.)
 bool cloth_cut_again(const cloth_sim *sim, cloth_outcome result, cloth_cutting *cutting);
 
 /// Steps that follow begin as finely as this one ended: most of them are as crowded.

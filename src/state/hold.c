@@ -6,7 +6,6 @@
 #include "hold_measure.h"
 #include "state/state.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

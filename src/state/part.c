@@ -12,7 +12,6 @@
 #include "state/flight.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 // coarser levels are worth it when there is something stiff to solve and more than a patch of it
 bool cloth_has_coarser_levels(const cloth_sim *sim)
@@ -73,7 +72,7 @@ static cloth_status take_solve(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(take_reals(sim, p, "scalar", 1, CLOTH_PCG_SCALARS, &p->scalar, err));
   CLOTH_TRY(cloth_take(sim, p, "product_ns", sizeof(uint64_t), &p->product_ns, err));
   CLOTH_TRY(take_reals(sim, p, "commit", sim->chunks, CLOTH_COMMIT_FIELDS, &p->commit, err));
-  int boxes = sim->chunks + sim->chunks / (CLOTH_CHUNK - 1) + 8; // and chunks of chunks
+  int boxes = sim->chunks + cloth_chunk_levels(sim->chunks);
   CLOTH_TRY(take_reals(sim, p, "box_of_chunk", boxes, 6, &p->box_of_chunk, err));
   CLOTH_TRY(take_reals(sim, p, "balance", 1, 3, &p->balance, err));
   return take_reals(sim, p, "largest", sim->chunks, 1, &p->largest, err);
@@ -187,7 +186,7 @@ cloth_status cloth_part_build(cloth_sim *sim, cloth_part *p, cloth_error *err)
   CLOTH_TRY(cloth_bdf2_take(sim, p, err));
   CLOTH_TRY(cloth_effects_prepare(sim, p, err));
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
-  sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
+  sim->owner = cloth_contact_owner(sim);
   if (self || body) CLOTH_TRY(take_contact(sim, p, err));
   sim->owner = CLOTH_EFFECT_body_contact;
   if (body) CLOTH_TRY(take_bodies(sim, p, err));

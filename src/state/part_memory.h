@@ -4,6 +4,7 @@
 
 #include "backend.h"
 #include "ccd/zones.h"
+#include "chunk.h"
 #include "contact/count_place.h"
 #include "flat_patch.h"
 #include "hat.h"
@@ -114,7 +115,7 @@ typedef struct cloth_part {
   cloth_real *ghost_box;         // [chunks x 6] m
   uint64_t *pair;
   uint32_t *counter; // [CLOTH_COUNTS x CLOTH_COUNT_ROUNDS] what kernels count: contact/count.h
-  int counter_round[CLOTH_COUNTS]; // of each place, the one in use; later ones are zero
+  int counter_round[CLOTH_COUNTS]; // of each place, the word in use; later ones are zero
   uint32_t cell_capacity, pair_capacity, active_capacity;
   int pair_count;
   uint64_t *close;     // of the pairs, those that may come to an impact: contact/close.h
@@ -201,4 +202,7 @@ typedef struct cloth_part {
 } cloth_part;
 
 /// Rows of chunks that a part owns.
-static inline int cloth_part_chunks(const cloth_part *p) { return (p->v1 - p->v0 + 63) / 64; }
+static inline int cloth_part_chunks(const cloth_part *p)
+{
+  return (p->v1 - p->v0 + CLOTH_CHUNK - 1) / CLOTH_CHUNK;
+}

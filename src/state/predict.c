@@ -188,7 +188,7 @@ cloth_status cloth_predict_stage(cloth_sim *sim, double from, double to, cloth_e
   sim->owner = CLOTH_CORE;
   sim->report->bodies_near = 0;
   bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
-  sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
+  sim->owner = cloth_contact_owner(sim);
   if (self || body) CLOTH_TRY(cloth_box_update(sim, sim->h, err));
   sim->owner = CLOTH_EFFECT_body_contact;
   if (body) CLOTH_TRY(move_bodies(sim, err));

@@ -25,7 +25,7 @@ typedef struct file_header {
 
 typedef struct file_body {
   cloth_pose now, target;
-  int32_t told, pad;
+  int32_t commanded, pad;
 } file_body;
 
 typedef struct file_hold {
@@ -129,7 +129,7 @@ static void put_all(writer *w, cloth_sim *sim, const cloth_real *x,
   for (int b = 0; b < sim->def->body_count; b++) {
     file_body f;
     memset(&f, 0, sizeof f);
-    f.now = sim->body[b].now, f.target = sim->body[b].target, f.told = sim->body[b].told;
+    f.now = sim->body[b].now, f.target = sim->body[b].target, f.commanded = sim->body[b].commanded;
     put(w, &f, sizeof f);
   }
   for (int h = 0; h < sim->hold_count; h++) put_hold(w, sim, &sim->hold[h]);
@@ -336,7 +336,7 @@ static cloth_status load_all(cloth_sim *sim, const unsigned char *data, size_t s
   for (int b = 0; b < head.bodies; b++) {
     file_body f;
     memcpy(&f, (const char *)body + sizeof f * (size_t)b, sizeof f);
-    sim->body[b].now = f.now, sim->body[b].target = f.target, sim->body[b].told = f.told;
+    sim->body[b].now = f.now, sim->body[b].target = f.target, sim->body[b].commanded = f.commanded;
   }
   memcpy(sim->pin_broken, broken, (size_t)head.pins);
   memcpy(sim->mean_velocity, mean, means), memcpy(sim->acceleration, acceleration, means);

@@ -69,7 +69,7 @@ typedef struct cloth_watch {
 typedef struct cloth_body {
   cloth_pose now, target;   // after the last step; at the end of this one
   cloth_pose t0, t1;        // of this substep
-  bool told;                // moved by call: the motion of the scene file no longer acts
+  bool commanded;           // moved by call: the motion of the scene file no longer acts
   bool near;                // its swept box meets the cloth's
   double center[3], radius; // m, bounding sphere in the body frame
   double half[3];           // m, half edges of the box around it, in the body frame
@@ -169,7 +169,7 @@ struct cloth_sim {
   int iteration;       // Newton iteration of this substep
   int iteration_first; // the one against whose right-hand side this one is measured
   cloth_asked asked;   // of the linear solve that runs
-  bool astray;         // the last linear solve thought that it was done, and was not; or ran away
+  bool solve_failed;   // the last linear solve said that it had converged, and had not; or ran away
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
   bool mean_known;         // mean_velocity is that of the state

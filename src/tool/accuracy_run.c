@@ -161,17 +161,15 @@ static const char *contact_of(const cloth_scene *scene, const cloth_params *p)
   return p->contact_detection ? "discrete" : "continuous";
 }
 
-// the chosen word of "a|b|c"
 static void choice_word(const cloth_params *p, const char *name, char *out, size_t size)
 {
   const cloth_param_info *info = cloth_param_table();
-  int index;
+  int index, length;
   while (info->name && strcmp(info->name, name) != 0) info++;
   if (!info->name || info->kind != CLOTH_IS_CHOICE) return;
   memcpy(&index, (const char *)p + info->offset, sizeof index);
-  const char *word = info->choices;
-  for (; index > 0 && strchr(word, '|'); index--) word = strchr(word, '|') + 1;
-  snprintf(out, size, "%.*s", (int)strcspn(word, "|"), word);
+  const char *word = cloth_param_choice(info, index, &length);
+  snprintf(out, size, "%.*s", length, word);
 }
 
 static void fill_settings(const accuracy_study *s, const sweep_setting *setting, cloth_def *def,

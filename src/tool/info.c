@@ -3,7 +3,6 @@
 #include "tool.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const tool_option options[] = {{NULL, NULL, NULL}};
@@ -107,26 +106,37 @@ static void print_body(const cloth_body_def *b)
 
 // ---- parameters --------------------------------------------------------------------------------
 
+static void print_value(const cloth_param_info *p, const void *value)
+{
+  const double *number = value;
+  const int *whole = value;
+  if (p->kind == CLOTH_IS_DOUBLE) {
+    printf("%.6g", number[0]);
+  } else if (p->kind == CLOTH_IS_VECTOR) {
+    printf("%.6g %.6g %.6g", number[0], number[1], number[2]);
+  } else if (p->kind == CLOTH_IS_INT) {
+    printf("%d", *whole);
+  } else {
+    int length;
+    const char *word = cloth_param_choice(p, *whole, &length);
+    printf("%.*s", length, word);
+  }
+}
+
 static void print_params(const cloth_params *params)
 {
   cloth_params defaults = cloth_params_default();
   int count = 0;
   printf("parameters that are not the default\n");
   for (const cloth_param_info *p = cloth_param_table(); p->name; p++) {
-    const char *value = (const char *)params + p->offset;
+    const void *value = (const char *)params + p->offset;
     size_t size = p->kind == CLOTH_IS_VECTOR   ? 3 * sizeof(double)
                   : p->kind == CLOTH_IS_DOUBLE ? sizeof(double)
                                                : sizeof(int);
     if (memcmp(value, (const char *)&defaults + p->offset, size) == 0) continue;
     count++;
     printf("  %-24s", p->name);
-    const double *number = (const double *)(const void *)value;
-    if (p->kind == CLOTH_IS_DOUBLE)
-      printf("%.6g", number[0]);
-    else if (p->kind == CLOTH_IS_VECTOR)
-      printf("%.6g %.6g %.6g", number[0], number[1], number[2]);
-    else
-      printf("%d", *(const int *)(const void *)value);
+    print_value(p, value);
     printf(" %s\n", p->unit && strcmp(p->unit, "1") != 0 ? p->unit : "");
   }
   if (!count) printf("  none\n");
@@ -183,8 +193,7 @@ static cloth_status print_effects(cloth_scene *scene, cloth_error *err)
   printf("memory of effects: %s\n", tool_bytes(bytes, text));
   // what the whole scene holds is known once it has stepped: buffers of contacts grow on demand
   if (status == CLOTH_OK)
-    printf("memory of the scene after its first steps: %s\n",
-           tool_bytes(last.memory_bytes, text));
+    printf("memory of the scene after its first steps: %s\n", tool_bytes(last.memory_bytes, text));
   else
     printf("memory of the scene: unknown, its first steps fail: %s\n", failed.text);
   return CLOTH_OK;

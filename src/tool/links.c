@@ -4,7 +4,6 @@
 #include "tool.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const tool_option options[] = {

@@ -12,10 +12,9 @@ static const tool_option options[] = {
 static void print_default(const cloth_param_info *p)
 {
   if (p->kind == CLOTH_IS_CHOICE) {
-    // the chosen word of "a|b|c"
-    const char *word = p->choices;
-    for (int i = 0; i < (int)p->value[0] && word; i++) word = strchr(word, '|') + 1;
-    printf("%.*s", (int)strcspn(word, "|"), word);
+    int length;
+    const char *word = cloth_param_choice(p, (int)p->value[0], &length);
+    printf("%.*s", length, word);
     return;
   }
   int count = p->kind == CLOTH_IS_VECTOR ? 3 : 1;

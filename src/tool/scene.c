@@ -1,7 +1,6 @@
 // What every subcommand that runs a scene needs: the scene itself, a clock, sizes as text.
 #include "tool.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 

@@ -51,7 +51,7 @@ static unsigned cloth_count_of_far(const unsigned *at) { return cloth_count_of(a
 #include "group_sums.cuh"
 #include "launch.h"
 #include "pcg_part.h"
-#include "together.cuh"
+#include "barrier.cuh"
 
 #define cloth_nanoseconds in_ptx
 #include "stopwatch.cuh"
@@ -100,7 +100,7 @@ struct emulated_cluster {
 std::atomic<unsigned> emulated_cluster::arrived;
 thread_local unsigned emulated_cluster::passed;
 
-#define cloth_together_cluster emulated_cluster
+#define cloth_cluster_barrier emulated_cluster
 #define memory                 memory_of_kernel // extern in a function there
 #undef __shared__
 #define __shared__ thread_local
@@ -113,14 +113,14 @@ namespace {
 
 struct launch {
   const cloth_pcg_solve_args *args;
-  cloth_together_state state;
+  cloth_barrier_state state;
   bool sparse;
 };
 
 void kernel_of_one(void *l)
 {
   launch *of = static_cast<launch *>(l);
-  cloth_together_grid g(&of->state);
+  cloth_grid_barrier g(&of->state);
   if (of->sparse)
     one::solve<one::rows_ahead>(*of->args, g);
   else

@@ -366,7 +366,7 @@ def a_recording_that_cannot_begin_is_refused(tmp):
 
 def info_says_what_is_in_the_scene(tmp):
     write(tmp, "s.yaml", SCENE)
-    r = cloth("info", "s.yaml", "--set", "thickness=0.002", cwd=tmp)
+    r = cloth("info", "s.yaml", "--set", "thickness=0.002", "--set", "preconditioner=multilevel", cwd=tmp)
     check(r.returncode == 0, r.stderr)
     for words in ("81 vertices, 128 triangles", "0.04 m^2", "0.012 kg", "body table", "longest 0.03536 m",
                   "density", "membrane", "gravity", "memory of the scene after its first steps"):
@@ -375,6 +375,7 @@ def info_says_what_is_in_the_scene(tmp):
     check(re.search(r"air +off +air_density", r.stdout), r.stdout)
     check(re.search(r"thickness\s+0.002 m\b", r.stdout), r.stdout)
     check(re.search(r"time_step\s+0.01 s\b", r.stdout), r.stdout)
+    check(re.search(r"preconditioner\s+multilevel\b", r.stdout), r.stdout)
 
 
 def params_prints_every_parameter(tmp):

@@ -1,17 +1,18 @@
-// What a linear solve leaves, judged as a length (pcg_residual.h), and solved for where it is too
-// long.
+// Iterative refinement: where the true residual of a linear solve is too long (pcg_residual.h says
+// how it is a length), the same system is solved for it. (Wilkinson 1963, Rounding errors in
+// algebraic processes.)
 #include "effect/effect.h"
 #include "solve/solve.h"
 
 #include <math.h>
 
-// Where cloth may touch, no solve leaves a vertex farther from its place than this share of the
+// Where cloth may touch, no solve leaves a vertex farther from its place than ABOVE of the
 // thickness: two that meet then have half of the room between them. Otherwise contacts close that
-// are none, raise the residual that the next tolerance is relative to, and so on. Goes on to half
-// of that, for at most so many iterations more.
-#define LEFT     0.25
-#define LEFT_AIM 0.5
-enum { LEFT_ITERATIONS = 500 };
+// are none, raise the residual that the next tolerance is relative to, and so on. Refined to AIM of
+// that, in at most so many iterations more.
+#define ABOVE 0.25
+#define AIM   0.5
+enum { FURTHER_ITERATIONS = 500 };
 
 static bool touches(const cloth_sim *sim)
 {
@@ -40,25 +41,25 @@ static cloth_status solve_rest(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALA
 static int iterations_more(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])
 {
   int chosen = sim->params.pcg_iterations_max;
-  if (chosen >= sim->def->params.pcg_iterations_max) return LEFT_ITERATIONS;
+  if (chosen >= sim->def->params.pcg_iterations_max) return FURTHER_ITERATIONS;
   return chosen - (int)scalar[CLOTH_PCG_ITERATIONS];
 }
 
-cloth_status cloth_solve_left(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
-                              double *correction, bool *worse, cloth_error *err)
+cloth_status cloth_solve_refine(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS],
+                                double *correction, bool *worse, cloth_error *err)
 {
   *worse = false;
-  double enough = LEFT * sim->params.thickness;
+  double enough = ABOVE * sim->params.thickness;
   if (!touches(sim)) return CLOTH_OK;
   sim->asked.iterations_max = iterations_more(sim, scalar);
-  while (sim->asked.iterations_max > 0 && (double)scalar[CLOTH_PCG_LEFT] > enough &&
-         !cloth_solve_astray(sim, scalar)) {
-    double left = (double)scalar[CLOTH_PCG_LEFT];
-    CLOTH_TRY(solve_rest(sim, scalar, LEFT_AIM * enough / left, err));
+  while (sim->asked.iterations_max > 0 && (double)scalar[CLOTH_PCG_RESIDUAL_LENGTH] > enough &&
+         !cloth_solve_failed(sim, scalar)) {
+    double length = (double)scalar[CLOTH_PCG_RESIDUAL_LENGTH];
+    CLOTH_TRY(solve_rest(sim, scalar, AIM * enough / length, err));
     int iterations = (int)scalar[CLOTH_PCG_ITERATIONS];
     *correction += (double)scalar[CLOTH_PCG_LARGEST];
-    sim->asked.iterations_max -= iterations > 0 ? iterations : LEFT_ITERATIONS;
-    *worse = !((double)scalar[CLOTH_PCG_LEFT] < left);
+    sim->asked.iterations_max -= iterations > 0 ? iterations : FURTHER_ITERATIONS;
+    *worse = !((double)scalar[CLOTH_PCG_RESIDUAL_LENGTH] < length);
     if (*worse) break;
   }
   return CLOTH_OK;

@@ -7,16 +7,16 @@
 
 #include <cuda_runtime_api.h>
 
-struct cloth_together_state { // in device memory, zero before the launch
+struct cloth_barrier_state { // in device memory, zero before the launch
   unsigned arrived;
 };
 
 /// All blocks of a cooperative launch. In two halves, so that a block can work while it waits.
-struct cloth_together_grid {
-  cloth_together_state *state;
+struct cloth_grid_barrier {
+  cloth_barrier_state *state;
   unsigned barriers; // passed by this block
 
-  __device__ explicit cloth_together_grid(cloth_together_state *s) : state(s), barriers(0) {}
+  __device__ explicit cloth_grid_barrier(cloth_barrier_state *s) : state(s), barriers(0) {}
 
   __device__ void arrive()
   {
@@ -39,7 +39,7 @@ struct cloth_together_grid {
 };
 
 /// One cluster of blocks.
-struct cloth_together_cluster {
+struct cloth_cluster_barrier {
   __device__ void sync()
   {
 #if __CUDA_ARCH__ >= 900

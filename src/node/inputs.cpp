@@ -8,8 +8,10 @@
 namespace robot_cloth {
 
 void JointHistory::need(const std::vector<std::string> &joints,
-                        const std::vector<std::string> &wrapping)
+                        const std::vector<std::string> &wrapping,
+                        const std::vector<std::string> &idle)
 {
+  idle_ = std::set<std::string>(idle.begin(), idle.end());
   wrapping_ = std::set<std::string>(wrapping.begin(), wrapping.end());
   joints_.clear();
   for (const std::string &j : joints) joints_[j];
@@ -51,7 +53,7 @@ void JointHistory::add(const sensor_msgs::JointState &m, double now, bool use_re
   for (size_t i = 0; i < m.name.size(); i++) {
     auto joint = joints_.find(m.name[i]);
     if (joint == joints_.end())
-      counts.unknown_joint++;
+      counts.unknown_joint += idle_.count(m.name[i]) == 0;
     else if (!std::isfinite(m.position[i])) {
       counts.not_finite++;
       ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << m.name[i] << " is not finite: held");
@@ -85,6 +87,14 @@ double JointHistory::knownUntil() const
   return time;
 }
 
+std::vector<std::string> JointHistory::olderThan(double time) const
+{
+  std::vector<std::string> names;
+  for (const auto &j : joints_)
+    if (!j.second.empty() && j.second.back().time < time) names.push_back(j.first);
+  return names;
+}
+
 bool JointHistory::at(const std::string &name, double time, double *position) const
 {
   auto joint = joints_.find(name);
@@ -94,8 +104,8 @@ bool JointHistory::at(const std::string &name, double time, double *position) co
                                 [](const Sample &a, double t) { return a.time < t; });
   if (after == s.end())
     *position = s.back().position;
-  else if (after == s.begin())
-    *position = s.front().position;
+  else if (after == s.begin() || after->time == time) // exact, whatever came before it
+    *position = after->position;
   else {
     const Sample &a = *(after - 1), &b = *after;
     *position = a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));

@@ -358,6 +358,7 @@ Health Simulation::health() const
   h.report = report_;
   h.blocking = blockingNames();
   h.problems = world_->problems;
+  h.robot_warnings = motion_.warnings();
   return h;
 }
 

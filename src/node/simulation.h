@@ -34,7 +34,7 @@ struct Health {
   size_t grasps = 0;
   InputCounts inputs;
   cloth_step_report report = {};
-  std::vector<std::string> problems;
+  std::vector<std::string> problems, robot_warnings;
 };
 
 class Simulation {

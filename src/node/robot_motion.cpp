@@ -327,6 +327,7 @@ cloth_status RobotMotion::moveBodies(cloth_scene *scene, double elapsed, cloth_e
     teleports_++;
     events_("teleport", world_->robot->name(), jump);
   }
+  if (!placed_ || !jump.empty()) placements_++;
   for (const LinkBody &l : world_->links) {
     const cloth_pose pose = toCloth(links_[l.link]);
     if (placed_ && jump.empty())

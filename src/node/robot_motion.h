@@ -72,6 +72,7 @@ public:
   /// limits, joints and transforms that stopped coming, planar and floating joints without tf.
   std::vector<std::string> warnings() const;
   uint64_t teleports() const { return teleports_; }
+  uint64_t placements() const { return placements_; } // teleports and what else placed the bodies
 
 private:
   bool rootPose(Pose *out, std::string *why);
@@ -100,7 +101,7 @@ private:
   std::vector<std::string> not_in_tf_; // planar and floating joints
   Pose root_ = Pose::Identity();
   std::vector<Pose> links_, links_before_, links_next_; // world frame; of the model's links
-  uint64_t teleports_ = 0;
+  uint64_t teleports_ = 0, placements_ = 0;
 };
 
 } // namespace robot_cloth

@@ -95,6 +95,7 @@ private:
   void readContacts(Snapshot *s);
   void crossCheck(double margin);
   void warnTangles();
+  void tellPlacedInto();
   std::vector<std::string> blockingNames() const;
   bool statePath(const std::string &name, std::string *path, std::string *why) const;
   void claimClock();

@@ -91,7 +91,7 @@ Entry robotEntry(const Health &h, const std::string &node)
   for (const std::string &p : h.problems) e.raise(DiagnosticStatus::WARN, p);
   const InputCounts &i = h.inputs;
   if (i.unequal_length + i.not_finite + i.stamp_future > 0)
-    e.raise(DiagnosticStatus::WARN, "bad joint_states were refused");
+    e.raise(DiagnosticStatus::WARN, "joint_states were refused, last: " + i.refused_why);
   if (h.mailbox_lost > 0)
     e.raise(DiagnosticStatus::WARN, "messages were lost: the simulation thread was too slow");
   e.value("joint_states", i.messages);

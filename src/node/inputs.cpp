@@ -27,14 +27,19 @@ void JointHistory::clear()
   }
 }
 
+void JointHistory::refuse(const std::string &why)
+{
+  counts.refused_why = why;
+  ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << why);
+}
+
 void JointHistory::add(const sensor_msgs::JointState &m, double now, bool use_receipt)
 {
   counts.messages++;
   if (m.name.size() != m.position.size()) {
     counts.unequal_length++;
-    ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << m.name.size() << " names but "
-                                                 << m.position.size()
-                                                 << " positions: message refused");
+    refuse(std::to_string(m.name.size()) + " names but " + std::to_string(m.position.size()) +
+           " positions: message refused");
     return;
   }
   double time = m.header.stamp.toSec();
@@ -46,8 +51,8 @@ void JointHistory::add(const sensor_msgs::JointState &m, double now, bool use_re
   }
   if (time > now + future_max) {
     counts.stamp_future++;
-    ROS_WARN_STREAM_THROTTLE(5, "joint_states: stamp is " << time - now
-                                                          << " s in the future: message refused");
+    refuse("stamp is " + std::to_string(time - now) + " s in the future, at most " +
+           std::to_string(future_max) + " s: message refused");
     return;
   }
   for (size_t i = 0; i < m.name.size(); i++) {
@@ -56,7 +61,7 @@ void JointHistory::add(const sensor_msgs::JointState &m, double now, bool use_re
       counts.unknown_joint += idle_.count(m.name[i]) == 0;
     else if (!std::isfinite(m.position[i])) {
       counts.not_finite++;
-      ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << m.name[i] << " is not finite: held");
+      refuse(m.name[i] + " is not finite: held");
     } else if (!joint->second.empty() && time <= joint->second.back().time) {
       if (time < joint->second.back().time) counts.stamp_old++;
     } else

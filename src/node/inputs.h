@@ -21,6 +21,7 @@ struct InputCounts {
   uint64_t stamp_old = 0;      // older than what the joint has: left out
   uint64_t stamp_future = 0;   // of the previous pass of a bag, or a wrong clock: refused
   uint64_t held = 0;           // steps that went on with old joints
+  std::string refused_why;     // what was wrong the last time that something was refused
 };
 
 /// The recent past of every joint. Not thread-safe: the simulation thread owns it.
@@ -61,6 +62,8 @@ public:
   static constexpr double memory = 3.0;     // s of samples that are kept
 
 private:
+  void refuse(const std::string &why);
+
   struct Sample {
     double time, position;
   };

@@ -75,6 +75,7 @@ class Inputs(unittest.TestCase):
         self.send(['slide'], [0.0], now + rospy.Duration(1000))
         self.send(['slide'], [0.0], now - rospy.Duration(1000))
         self.send([], [])
+        self.assertIsNotNone(self.robot(lambda text, v: 'last: stamp is 999.' in text and 'at most 0.5' in text))
         found = self.robot(lambda text, v: int(v['stamp old']) >= 1)
         self.assertIsNotNone(found)
         for key, count in (('unequal lengths', 1), ('not finite', 2), ('unknown joints', 1), ('stamp zero', 1),

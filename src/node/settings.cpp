@@ -358,7 +358,7 @@ Settings readSettings(const ros::NodeHandle &priv)
   if (s.scene_file.empty())
     throw StartError("parameter " + ns +
                      "/scene is not set: give it the path of a scene file (YAML), such as "
-                     "$(find robot_cloth)/config/scenes/towel.yaml");
+                     "$(find robot_cloth)/config/scenes/towel_on_table.yaml");
   return s;
 }
 

@@ -29,8 +29,9 @@ public:
 
   /// End of the step that is due, on the clock's scale [s].
   double end() const { return end_; }
-  /// Clock time of a simulated time [s].
-  double stamp(double sim_time) const { return origin_ + sim_time; }
+  /// Clock time of a simulated time [s]. Before the first look at the clock, and after a jump or a
+  /// pause, that is now: the next step goes on from there, and the old origin is of another time.
+  double stamp(double sim_time) const { return started_ || lockstep_ ? origin_ + sim_time : now(); }
   /// The clock itself, now [s]; 0 while nobody publishes it.
   double now() const;
 

@@ -87,10 +87,11 @@ Entry robotEntry(const Health &h, const std::string &node)
   Entry e(node, "robot");
   if (!h.robot_waits_for.empty())
     e.raise(DiagnosticStatus::WARN, "not in the scene: " + h.robot_waits_for);
+  for (const std::string &w : h.robot_warnings) e.raise(DiagnosticStatus::WARN, w);
   for (const std::string &p : h.problems) e.raise(DiagnosticStatus::WARN, p);
   const InputCounts &i = h.inputs;
   if (i.unequal_length + i.not_finite + i.stamp_future > 0)
-    e.raise(DiagnosticStatus::WARN, "bad joint_states were refused");
+    e.raise(DiagnosticStatus::WARN, "joint_states were refused, last: " + i.refused_why);
   if (h.mailbox_lost > 0)
     e.raise(DiagnosticStatus::WARN, "messages were lost: the simulation thread was too slow");
   e.value("joint_states", i.messages);

@@ -186,8 +186,9 @@ bool Grasping::hold(const GraspRequest &r, int cloth, Pick picked, Held *held, s
   std::vector<int> ignored;
   if (!motion_.frame(r.frame_id, &held->pose, why) || !ignoredBodies(r, &ignored, why))
     return false;
-  const int link = world_->robot ? world_->robot->findLink(r.frame_id) : -1;
-  held->frame = r.frame_id.empty() ? settings_.world_frame : r.frame_id;
+  const std::string frame = bareFrame(r.frame_id); // message headers take no leading slash
+  const int link = world_->robot ? world_->robot->findLink(frame) : -1;
+  held->frame = frame.empty() ? settings_.world_frame : frame;
   held->cloth = cloth;
   held->body = link >= 0 ? world_->bodyOfLink(link) : -1;
   held->stiffness = r.compliance > 0 ? 1 / r.compliance : 0;
@@ -250,9 +251,10 @@ GraspResponse Grasping::grasp(const GraspRequest &r, const std::string &gripper)
   return answer;
 }
 
-ReleaseResponse Grasping::release(const std::string &id, const std::string &frame)
+ReleaseResponse Grasping::release(const std::string &id, const std::string &any_frame)
 {
   ReleaseResponse answer;
+  const std::string frame = bareFrame(any_frame);
   for (size_t i = 0; i < held_.size();) {
     const Held &h = held_[i];
     const bool chosen = id.empty() ? frame.empty() || h.frame == frame

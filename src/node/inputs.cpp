@@ -8,8 +8,10 @@
 namespace robot_cloth {
 
 void JointHistory::need(const std::vector<std::string> &joints,
-                        const std::vector<std::string> &wrapping)
+                        const std::vector<std::string> &wrapping,
+                        const std::vector<std::string> &idle)
 {
+  idle_ = std::set<std::string>(idle.begin(), idle.end());
   wrapping_ = std::set<std::string>(wrapping.begin(), wrapping.end());
   joints_.clear();
   for (const std::string &j : joints) joints_[j];
@@ -25,14 +27,19 @@ void JointHistory::clear()
   }
 }
 
+void JointHistory::refuse(const std::string &why)
+{
+  counts.refused_why = why;
+  ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << why);
+}
+
 void JointHistory::add(const sensor_msgs::JointState &m, double now, bool use_receipt)
 {
   counts.messages++;
   if (m.name.size() != m.position.size()) {
     counts.unequal_length++;
-    ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << m.name.size() << " names but "
-                                                 << m.position.size()
-                                                 << " positions: message refused");
+    refuse(std::to_string(m.name.size()) + " names but " + std::to_string(m.position.size()) +
+           " positions: message refused");
     return;
   }
   double time = m.header.stamp.toSec();
@@ -44,17 +51,17 @@ void JointHistory::add(const sensor_msgs::JointState &m, double now, bool use_re
   }
   if (time > now + future_max) {
     counts.stamp_future++;
-    ROS_WARN_STREAM_THROTTLE(5, "joint_states: stamp is " << time - now
-                                                          << " s in the future: message refused");
+    refuse("stamp is " + std::to_string(time - now) + " s in the future, at most " +
+           std::to_string(future_max) + " s: message refused");
     return;
   }
   for (size_t i = 0; i < m.name.size(); i++) {
     auto joint = joints_.find(m.name[i]);
     if (joint == joints_.end())
-      counts.unknown_joint++;
+      counts.unknown_joint += idle_.count(m.name[i]) == 0;
     else if (!std::isfinite(m.position[i])) {
       counts.not_finite++;
-      ROS_WARN_STREAM_THROTTLE(5, "joint_states: " << m.name[i] << " is not finite: held");
+      refuse(m.name[i] + " is not finite: held");
     } else if (!joint->second.empty() && time <= joint->second.back().time) {
       if (time < joint->second.back().time) counts.stamp_old++;
     } else
@@ -85,6 +92,14 @@ double JointHistory::knownUntil() const
   return time;
 }
 
+std::vector<std::string> JointHistory::olderThan(double time) const
+{
+  std::vector<std::string> names;
+  for (const auto &j : joints_)
+    if (!j.second.empty() && j.second.back().time < time) names.push_back(j.first);
+  return names;
+}
+
 bool JointHistory::at(const std::string &name, double time, double *position) const
 {
   auto joint = joints_.find(name);
@@ -94,8 +109,8 @@ bool JointHistory::at(const std::string &name, double time, double *position) co
                                 [](const Sample &a, double t) { return a.time < t; });
   if (after == s.end())
     *position = s.back().position;
-  else if (after == s.begin())
-    *position = s.front().position;
+  else if (after == s.begin() || after->time == time) // exact, whatever came before it
+    *position = after->position;
   else {
     const Sample &a = *(after - 1), &b = *after;
     *position = a.position + (b.position - a.position) * ((time - a.time) / (b.time - a.time));

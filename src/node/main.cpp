@@ -2,6 +2,7 @@
 // fix at start: the message names it.
 #include "cloth_node.h"
 
+#include <csignal>
 #include <cstdio>
 #include <ros/console.h>
 #include <ros/init.h>
@@ -9,6 +10,8 @@
 int main(int argc, char **argv)
 {
   ros::init(argc, argv, "cloth");
+  // roscpp minds SIGINT only; a container or service manager sends this one
+  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });
   const ros::NodeHandle nh, priv("~");
   try {
     robot_cloth::ClothNode node(nh, priv);

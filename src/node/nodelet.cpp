@@ -9,9 +9,14 @@ namespace robot_cloth {
 class ClothNodelet : public nodelet::Nodelet {
   void onInit() override
   {
-    // a StartError goes to the loader, which reports it and keeps the other nodelets running
-    node_ = std::make_unique<ClothNode>(getNodeHandle(), getPrivateNodeHandle());
-    node_->start();
+    // The loader keeps the other nodelets running, but has no word for what it catches.
+    try {
+      node_ = std::make_unique<ClothNode>(getNodeHandle(), getPrivateNodeHandle());
+      node_->start();
+    } catch (const std::exception &e) {
+      NODELET_FATAL_STREAM(e.what());
+      throw;
+    }
   }
   std::unique_ptr<ClothNode> node_;
 };

@@ -46,11 +46,16 @@ std::string numberText(double v)
   return text;
 }
 
+constexpr double size_max = 1e4;   // m; no robot, and the engine takes no larger primitive either
+constexpr double size_warn = 20;   // m; a mesh in millimetres makes a link of this size
+constexpr double size_tiny = 1e-4; // m; one in metres that is scaled as if in millimetres
+
 // What a size of a primitive should be and is not; empty: it is fine. `!(v > 0)` is true of NaN.
 std::string badSize(const char *what, double v)
 {
-  if (v > 0 && std::isfinite(v)) return "";
-  return std::string(what) + " is " + numberText(v) + " m; it must be positive and finite";
+  if (v > 0 && v <= size_max) return "";
+  return std::string(what) + " is " + numberText(v) + " m; it must be positive and at most " +
+         numberText(size_max) + " m";
 }
 
 // urdfdom tells its reasons to console_bridge only, which is one for the whole process.
@@ -283,6 +288,17 @@ private:
       model_->problems_.push_back(
           {ModelProblem::mesh_warning, link.name,
            "link '" + link.name + "': mesh '" + file.filename + "': " + warning});
+    const double size = mesh.bounds().diagonal().norm();
+    const std::string across = numberText(size) + " m across with scale " + numberText(scale.x()) +
+                               " " + numberText(scale.y()) + " " + numberText(scale.z());
+    if (!(size <= size_max))
+      throw MeshError("mesh '" + file.filename + "' is " + across + "; at most " +
+                      numberText(size_max) + " m");
+    if (size > size_warn || size < size_tiny)
+      model_->problems_.push_back({ModelProblem::mesh_warning, link.name,
+                                   "link '" + link.name + "': mesh '" + file.filename + "' is " +
+                                       across + ": is its scale right? Of a file in millimetres " +
+                                       "it is 0.001 0.001 0.001"});
     return mesh;
   }
 

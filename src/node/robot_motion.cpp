@@ -7,12 +7,30 @@
 namespace robot_cloth {
 namespace {
 
-std::string bare(const std::string &frame) // tf1 users still write "/base_link"
+// A pose farther from the scene's origin than this is nonsense: a value in a wrong unit, a number
+// that was never set. The engine refuses them, and a step that is refused for the same inputs again
+// and again would stop the simulation.
+constexpr double reach_max = 1e5; // m
+
+constexpr double stopped_after = 1; // s without news
+
+bool inReach(const Pose &p) { return p.translation().norm() <= reach_max; } // false for NaN
+
+std::string farAway(const Pose &p)
 {
-  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+  std::ostringstream text;
+  const Eigen::Vector3d x = p.translation();
+  text << "at (" << x.x() << ", " << x.y() << ", " << x.z() << ") m, more than " << reach_max
+       << " m from the scene's origin";
+  return text.str();
 }
 
 } // namespace
+
+std::string bareFrame(const std::string &frame)
+{
+  return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
+}
 
 RobotMotion::RobotMotion(const Settings &settings, const tf2::BufferCore *tf, EventSink events)
     : settings_(settings), tf_(tf), events_(std::move(events))
@@ -26,14 +44,15 @@ void RobotMotion::follow(const World *world)
   links_.clear();
   known_ = placed_ = false;
   request_frames_.clear();
-  std::vector<std::string> needed, wrapping;
+  std::vector<std::string> needed, wrapping, idle;
   if (world->robot) {
     robot_ = std::make_unique<RobotPose>(world->robot);
     needed = robot_->missing();
     for (const Joint &j : world->robot->joints())
       if (j.kind == JointKind::continuous) wrapping.push_back(j.name);
+    for (const Joint &j : world->robot->joints()) idle.push_back(j.name);
   }
-  joints.need(needed, wrapping);
+  joints.need(needed, wrapping, idle);
 }
 
 void RobotMotion::forgetInputs()
@@ -49,8 +68,8 @@ bool RobotMotion::setFrames(const std::vector<geometry_msgs::TransformStamped> &
 {
   std::map<std::string, RequestFrame> next = request_frames_;
   for (const geometry_msgs::TransformStamped &f : frames) {
-    RequestFrame entry = {bare(f.header.frame_id), Pose::Identity()};
-    const std::string child = bare(f.child_frame_id);
+    RequestFrame entry = {bareFrame(f.header.frame_id), Pose::Identity()};
+    const std::string child = bareFrame(f.child_frame_id);
     if (child.empty() || entry.parent.empty() || child == entry.parent) {
       *why = "a frame needs header.frame_id (the parent) and another child_frame_id";
       return false;
@@ -66,8 +85,9 @@ bool RobotMotion::setFrames(const std::vector<geometry_msgs::TransformStamped> &
 }
 
 bool RobotMotion::lookup(const std::string &parent, const std::string &child, Pose *out,
-                         std::string *why) const
+                         std::string *why, double *age) const
 {
+  if (age) *age = 0;
   if (parent == child) {
     *out = Pose::Identity();
     return true;
@@ -76,10 +96,13 @@ bool RobotMotion::lookup(const std::string &parent, const std::string &child, Po
   for (int held = latest_ || !(time_ > 0); held < 2; held++) {
     try {
       const ros::Time stamp = held ? ros::Time() : ros::Time(time_);
-      if (!readPose(tf_->lookupTransform(parent, child, stamp).transform, out)) {
+      const geometry_msgs::TransformStamped found = tf_->lookupTransform(parent, child, stamp);
+      if (!readPose(found.transform, out)) {
         *why = "tf from " + parent + " to " + child + " is not finite";
         return false;
       }
+      if (age && held && !latest_ && !found.header.stamp.isZero()) // zero: static
+        *age = time_ - found.header.stamp.toSec();
       return true;
     } catch (const tf2::TransformException &e) {
       *why = std::string("tf: ") + e.what();
@@ -96,7 +119,7 @@ bool RobotMotion::tfPose(const std::string &name, Pose *out, std::string *why) c
   if (robot_ && known_) {
     std::string frame = name, parent;
     for (int depth = 0; depth < 32 && tf_->_getParent(frame, ros::Time(), parent); depth++) {
-      frame = bare(parent);
+      frame = bareFrame(parent);
       const int link = world_->robot->findLink(frame);
       if (link < 0) continue;
       if (!lookup(frame, name, out, why)) return false;
@@ -104,7 +127,9 @@ bool RobotMotion::tfPose(const std::string &name, Pose *out, std::string *why) c
       return true;
     }
   }
-  return lookup(settings_.world_frame, name, out, why);
+  if (lookup(settings_.world_frame, name, out, why)) return true;
+  *why = "no transform from " + settings_.world_frame + " to " + name + ": " + *why;
+  return false;
 }
 
 bool RobotMotion::findFrame(const std::string &name, int depth, Pose *out, std::string *why) const
@@ -134,10 +159,17 @@ bool RobotMotion::findFrame(const std::string &name, int depth, Pose *out, std::
 
 bool RobotMotion::frame(const std::string &name, Pose *out, std::string *why) const
 {
-  return findFrame(bare(name), 0, out, why);
+  Pose found;
+  if (!findFrame(bareFrame(name), 0, &found, why)) return false;
+  if (!inReach(found)) {
+    *why = "frame " + name + " is " + farAway(found);
+    return false;
+  }
+  *out = found;
+  return true;
 }
 
-bool RobotMotion::rootPose(Pose *out, std::string *why) const
+bool RobotMotion::rootPose(Pose *out, std::string *why)
 {
   const std::string &root = world_->robot->root().name;
   Pose pose = Pose::Identity();
@@ -149,7 +181,7 @@ bool RobotMotion::rootPose(Pose *out, std::string *why) const
     frame = given->second.parent;
   }
   Pose rest;
-  if (!lookup(settings_.world_frame, frame, &rest, why)) return false;
+  if (!lookup(settings_.world_frame, frame, &rest, why, &root_age_)) return false;
   *out = rest * pose;
   return true;
 }
@@ -158,9 +190,19 @@ bool RobotMotion::knownAt(double time) const
 {
   if (!robot_) return true;
   if (!(joints.knownUntil() >= time)) return false;
-  const std::string &root = world_->robot->root().name;
-  if (root == settings_.world_frame || !tf_->_frameExists(root)) return true;
-  return tf_->canTransform(settings_.world_frame, root, ros::Time(time));
+  const std::vector<Link> &links = world_->robot->links();
+  if (!tfKnownAt(settings_.world_frame, links.front().name, time)) return false;
+  for (const Joint &j : world_->robot->joints())
+    if (j.placed() && !tfKnownAt(links[j.parent_link].name, links[j.child_link].name, time))
+      return false;
+  return true;
+}
+
+// a frame that tf has never heard of is not waited for
+bool RobotMotion::tfKnownAt(const std::string &parent, const std::string &child, double time) const
+{
+  return parent == child || !tf_->_frameExists(child) || !tf_->_frameExists(parent) ||
+         tf_->canTransform(parent, child, ros::Time(time));
 }
 
 bool RobotMotion::take(double time, bool latest, std::string *why)
@@ -168,7 +210,7 @@ bool RobotMotion::take(double time, bool latest, std::string *why)
   time_ = time;
   latest_ = latest;
   if (!robot_) return true;
-  waiting_for_.clear();
+  waiting_for_.clear(), held_why_.clear(), not_in_tf_.clear();
   if (!joints.complete()) {
     waiting_for_ = "no joint_states yet for";
     for (const std::string &j : joints.missing()) waiting_for_ += " " + j;
@@ -185,17 +227,77 @@ bool RobotMotion::take(double time, bool latest, std::string *why)
   for (const Joint &j : world_->robot->joints()) {
     double value;
     if (j.movable() && !j.mimic() && joints.at(j.name, time, &value)) robot_->set(j.name, value);
+    if (!j.placed()) continue;
     Pose moved;
     const std::vector<Link> &links = world_->robot->links();
-    if (j.placed() && lookup(links[j.parent_link].name, links[j.child_link].name, &moved, why))
+    if (lookup(links[j.parent_link].name, links[j.child_link].name, &moved, why))
       robot_->place(j.name, j.origin.inverse() * moved);
+    else
+      not_in_tf_.push_back(j.name);
+  }
+  const std::vector<Pose> &in_root = robot_->links();
+  links_next_.resize(in_root.size());
+  for (size_t i = 0; i < in_root.size(); i++) links_next_[i] = root * in_root[i];
+  held_why_ = outOfReach();
+  if (!held_why_.empty()) {
+    if (!known_) waiting_for_ = held_why_;
+    *why = held_why_;
+    return known_;
   }
   root_ = root;
-  const std::vector<Pose> &in_root = robot_->links();
-  links_.resize(in_root.size());
-  for (size_t i = 0; i < in_root.size(); i++) links_[i] = root_ * in_root[i];
+  links_.swap(links_next_);
   known_ = true;
   return true;
+}
+
+std::string RobotMotion::outOfReach() const
+{
+  for (size_t i = 0; i < links_next_.size(); i++)
+    if (!inReach(links_next_[i]))
+      return "link " + world_->robot->links()[i].name + " would be " + farAway(links_next_[i]);
+  return "";
+}
+
+std::vector<std::string> RobotMotion::warnings() const
+{
+  std::vector<std::string> out;
+  if (!robot_ || !waiting_for_.empty()) return out;
+  if (!held_why_.empty()) out.push_back("held where it was: " + held_why_);
+  const std::vector<Joint> &all = world_->robot->joints();
+  for (size_t i = 0; i < all.size(); i++) {
+    const Joint &j = all[i];
+    const double value = robot_->value(static_cast<int>(i));
+    const double margin = 1e-3 + 0.01 * (j.upper - j.lower); // encoders are not that exact
+    if (!j.movable() || j.mimic() || (value >= j.lower - margin && value <= j.upper + margin))
+      continue;
+    std::ostringstream text;
+    const char *unit = j.kind == JointKind::prismatic ? " m" : " rad";
+    text << "joint " << j.name << " is at " << value << unit << ", beyond its limits [" << j.lower
+         << ", " << j.upper << "]" << unit;
+    out.push_back(text.str());
+  }
+  const std::vector<Link> &links = world_->robot->links();
+  for (const std::string &name : not_in_tf_) {
+    const Joint &j = all[static_cast<size_t>(world_->robot->findJoint(name))];
+    out.push_back(std::string(jointKindName(j.kind)) + " joint " + name +
+                  " stays where it was: no transform from " + links[j.parent_link].name + " to " +
+                  links[j.child_link].name);
+  }
+  if (latest_) return out; // lockstep: what no request changes holds still
+  std::ostringstream old;
+  const std::vector<std::string> silent = joints.olderThan(time_ - stopped_after);
+  if (!silent.empty()) {
+    old << "held for " << time_ - joints.knownUntil() << " s, no joint_states for";
+    for (const std::string &j : silent) old << " " << j;
+    out.push_back(old.str());
+  }
+  if (root_age_ > stopped_after) {
+    old.str("");
+    old << "held for " << root_age_ << " s, no transform from " << settings_.world_frame << " to "
+        << links.front().name;
+    out.push_back(old.str());
+  }
+  return out;
 }
 
 std::string RobotMotion::tooFast(double elapsed) const
@@ -225,6 +327,7 @@ cloth_status RobotMotion::moveBodies(cloth_scene *scene, double elapsed, cloth_e
     teleports_++;
     events_("teleport", world_->robot->name(), jump);
   }
+  if (!placed_ || !jump.empty()) placements_++;
   for (const LinkBody &l : world_->links) {
     const cloth_pose pose = toCloth(links_[l.link]);
     if (placed_ && jump.empty())

@@ -17,6 +17,9 @@
 
 namespace robot_cloth {
 
+/// A frame's name without the leading slash that tf1 users still write.
+std::string bareFrame(const std::string &frame);
+
 /// kind, subject, text: as in msg/Event.
 using EventSink =
     std::function<void(const std::string &, const std::string &, const std::string &)>;
@@ -63,13 +66,21 @@ public:
   {
     return waiting_for_;
   } // why the robot is not known; empty: it is
+  /// Why the robot was held at the time taken last though its joints are known; empty: it was not.
+  const std::string &heldWhy() const { return held_why_; }
+  /// What is wrong with the robot's inputs at the time taken last, a sentence each: values beyond
+  /// limits, joints and transforms that stopped coming, planar and floating joints without tf.
+  std::vector<std::string> warnings() const;
   uint64_t teleports() const { return teleports_; }
+  uint64_t placements() const { return placements_; } // teleports and what else placed the bodies
 
 private:
-  bool rootPose(Pose *out, std::string *why) const;
+  bool rootPose(Pose *out, std::string *why);
   bool tfPose(const std::string &frame, Pose *out, std::string *why) const;
-  bool lookup(const std::string &parent, const std::string &child, Pose *out,
-              std::string *why) const;
+  bool lookup(const std::string &parent, const std::string &child, Pose *out, std::string *why,
+              double *age = nullptr) const;
+  bool tfKnownAt(const std::string &parent, const std::string &child, double time) const;
+  std::string outOfReach() const;
   bool findFrame(const std::string &name, int depth, Pose *out, std::string *why) const;
   std::string tooFast(double elapsed) const;
 
@@ -85,10 +96,12 @@ private:
   std::map<std::string, RequestFrame> request_frames_;
   double time_ = 0;
   bool latest_ = false, known_ = false, placed_ = false;
-  std::string waiting_for_;
+  std::string waiting_for_, held_why_;
+  double root_age_ = 0;                // s; of world -> root at the time taken last
+  std::vector<std::string> not_in_tf_; // planar and floating joints
   Pose root_ = Pose::Identity();
-  std::vector<Pose> links_, links_before_; // world frame; of the model's links
-  uint64_t teleports_ = 0;
+  std::vector<Pose> links_, links_before_, links_next_; // world frame; of the model's links
+  uint64_t teleports_ = 0, placements_ = 0;
 };
 
 } // namespace robot_cloth

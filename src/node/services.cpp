@@ -118,6 +118,8 @@ bool Services::step(StepRequest &request, StepResponse &response)
   response.message = !response.success ? why
                      : s.world().robot && !s.motion().robotKnown()
                          ? "done, but the robot is not in the scene: " + s.motion().waitingFor()
+                     : !s.motion().heldWhy().empty()
+                         ? "done, but the robot is held: " + s.motion().heldWhy()
                          : "done";
   return true;
 }

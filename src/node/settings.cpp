@@ -219,6 +219,7 @@ GripperSettings readGripper(const string &name, XmlRpcValue v)
                      std::to_string(g.sign * g.open_above) + " and closes at " +
                      std::to_string(g.sign * g.close_below) + "; the gap is the hysteresis");
   for (double size : g.region_size) check(name + "/region/size", size, "m", 1e-6, 10);
+  for (double x : g.region_center) check(name + "/region/center", x, "m", -10, 10);
   check(name + "/compliance", g.compliance, "m/N", 0, 1e6);
   check(name + "/break_force", g.break_force, "N", 0, 1e9);
   check(name + "/limit", g.limit, "1", 0, 1e9);
@@ -303,6 +304,8 @@ Settings readSettings(const ros::NodeHandle &priv)
           s.grippers.push_back(
               readGripper(ns + "/grippers[" + std::to_string(i) + "]", entry.second[i]));
       } else if (entry.first == "params") {
+        if (entry.second.getType() != XmlRpcValue::TypeStruct)
+          wrongType(ns + "/params", "a dictionary of scene parameters", entry.second);
         std::map<string, XmlRpcValue> params;
         flatten("", entry.second, params);
         for (auto &p : params) {
@@ -321,10 +324,20 @@ Settings readSettings(const ros::NodeHandle &priv)
       }
     }
   }
+  for (size_t i = 0; i < s.grippers.size(); i++)
+    for (size_t j = 0; j < i; j++)
+      if (s.grippers[i].name == s.grippers[j].name) // it is the id of the grasps
+        throw StartError("parameter " + ns + "/grippers: grippers " + std::to_string(j) + " and " +
+                         std::to_string(i) + " are both named '" + s.grippers[i].name +
+                         "'; rename one");
   const std::vector<string> known = settingNames();
   flat.erase("robot_description"); // a URDF of our own namespace
   for (auto &entry : flat)
     if (std::find(known.begin(), known.end(), entry.first) == known.end()) {
+      for (const string &k : known)
+        if (k.rfind(entry.first + "/", 0) == 0)
+          wrongType(ns + "/" + entry.first, ("a dictionary with keys such as " + k).c_str(),
+                    entry.second);
       std::vector<string> near = known;
       near.insert(near.end(), {"grippers", "params"});
       unknownKey(ns, entry.first, near);
@@ -337,10 +350,15 @@ Settings readSettings(const ros::NodeHandle &priv)
   ROS_INFO_STREAM("  ~" << name << " = " << std::boolalpha << s.member << " " << unit              \
                         << (flat.count(name) ? "" : " (default)"));
 #include "settings.inl"
+  if (!s.world_frame.empty() && s.world_frame[0] == '/')
+    s.world_frame.erase(0, 1); // as tf1 wrote it
+  if (s.world_frame.empty())
+    throw StartError("parameter " + ns +
+                     "/world_frame is empty: give it the tf frame that is the scene's, e.g. world");
   if (s.scene_file.empty())
     throw StartError("parameter " + ns +
                      "/scene is not set: give it the path of a scene file (YAML), such as "
-                     "$(find robot_cloth)/config/scenes/towel.yaml");
+                     "$(find robot_cloth)/config/scenes/towel_on_table.yaml");
   return s;
 }
 

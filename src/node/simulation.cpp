@@ -7,6 +7,7 @@
 #include <ros/master.h>
 #include <ros/this_node.h>
 #include <rosgraph_msgs/Clock.h>
+#include <set>
 
 namespace robot_cloth {
 
@@ -62,6 +63,25 @@ void Simulation::warnTangles()
                                         : cloth_name(scene(), p.other_cloth))
                                << " triangle " << p.other_triangle);
   }
+}
+
+// A robot that is placed, not moved, may be placed into the cloth.
+void Simulation::tellPlacedInto()
+{
+  std::vector<cloth_tangle_view> pair(1000);
+  int count = 0;
+  if (cloth_tangles(scene(), pair.data(), static_cast<int>(pair.size()), &count, nullptr) !=
+      CLOTH_OK)
+    return;
+  pair.resize(std::min(pair.size(), static_cast<size_t>(count)));
+  std::set<std::string> links;
+  for (const cloth_tangle_view &p : pair)
+    if (p.other_body >= 0 && world_->linkOfBody(p.other_body) >= 0)
+      links.insert(cloth_body_name(scene(), p.other_body));
+  if (links.empty()) return;
+  std::string text = "placed into the cloth, " + std::to_string(count) + " pairs of triangles:";
+  for (const std::string &link : links) text += " " + link;
+  event("teleport", world_->robot->name(), text + "; set untangle: true to have them worked out");
 }
 
 std::vector<std::string> Simulation::blockingNames() const
@@ -158,10 +178,13 @@ bool Simulation::step(double end, bool latest, std::string *why)
   }
   if (!motion_.take(end, latest, &waits))
     ROS_WARN_STREAM_THROTTLE(5, "robot not in the scene: " << waits);
+  else if (!motion_.heldWhy().empty())
+    ROS_WARN_STREAM_THROTTLE(5, "robot held where it was: " << waits);
   if (!clock_.lockstep() && motion_.robotKnown() && !motion_.knownAt(end))
     motion_.joints.counts.held++;
   cloth_error err = {};
   const double elapsed = settled_ ? end - last_end_ : world_->time_step;
+  const uint64_t placements = motion_.placements();
   cloth_status status = motion_.moveBodies(scene(), elapsed, &err);
   if (status == CLOTH_OK) status = grasping_.moveFrames(&err);
   if (status == CLOTH_OK) status = cloth_step(scene(), world_->time_step, &report_, &err);
@@ -169,6 +192,7 @@ bool Simulation::step(double end, bool latest, std::string *why)
   failures_in_a_row_ = 0;
   settled_ = true;
   last_end_ = end;
+  if (motion_.placements() > placements && report_.tangles > 0) tellPlacedInto();
   grasping_.noticeBroken();
   grasping_.runGrippers();
   summary_.add(report_, ros::SteadyTime::now().toSec() - start);
@@ -358,6 +382,7 @@ Health Simulation::health() const
   h.report = report_;
   h.blocking = blockingNames();
   h.problems = world_->problems;
+  h.robot_warnings = motion_.warnings();
   return h;
 }
 

@@ -34,7 +34,7 @@ struct Health {
   size_t grasps = 0;
   InputCounts inputs;
   cloth_step_report report = {};
-  std::vector<std::string> problems;
+  std::vector<std::string> problems, robot_warnings;
 };
 
 class Simulation {
@@ -95,6 +95,7 @@ private:
   void readContacts(Snapshot *s);
   void crossCheck(double margin);
   void warnTangles();
+  void tellPlacedInto();
   std::vector<std::string> blockingNames() const;
   bool statePath(const std::string &name, std::string *path, std::string *why) const;
   void claimClock();

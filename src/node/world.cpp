@@ -1,5 +1,8 @@
 #include "world.h"
 
+#include "nearest.h"
+
+#include <algorithm>
 #include <iomanip>
 #include <ros/console.h>
 #include <ros/init.h>
@@ -59,6 +62,81 @@ void addLinks(const Settings &s, cloth_def *def, World *world)
     if (cloth_def_add_body(def, &view, &body.body, &err) != CLOTH_OK)
       throw StartError("link " + link.name + " of " + s.robot_description + ": " + err.text);
     world->links.push_back(body);
+  }
+}
+
+void warn(World *world, const std::string &text)
+{
+  world->problems.push_back(text);
+  ROS_WARN_STREAM("robot model: " << text);
+}
+
+// What tf puts right later is told by RobotMotion::warnings() for as long as it lasts.
+bool untilTfSpeaks(const RobotModel &robot, const ModelProblem &p)
+{
+  const int joint = robot.findJoint(p.link_or_joint);
+  return p.kind == ModelProblem::unusual_joint && joint >= 0 &&
+         robot.joints()[static_cast<size_t>(joint)].placed();
+}
+
+template <class Named>
+[[noreturn]] void noSuch(const std::string &param, const char *what, const std::string &name,
+                         const std::vector<Named> &known)
+{
+  const char *best = nullptr;
+  for (const Named &k : known) cloth_nearest(name.c_str(), k.name.c_str(), &best);
+  throw StartError("parameter " + param + ": the robot has no " + what + " '" + name + "'" +
+                   (best ? std::string("; did you mean ") + best + "?" : ""));
+}
+
+// A threshold that the joint cannot cross is most often one in another unit.
+void checkThresholds(const GripperSettings &g, const std::string &param, const Joint &joint,
+                     World *world)
+{
+  double ends[2] = {joint.lower, joint.upper};
+  if (joint.mimic()) {
+    const Joint &source = world->robot->joints()[static_cast<size_t>(joint.mimic_source)];
+    ends[0] = joint.mimic_multiplier * source.lower + joint.mimic_offset;
+    ends[1] = joint.mimic_multiplier * source.upper + joint.mimic_offset;
+  }
+  const double least = std::min(g.sign * ends[0], g.sign * ends[1]);
+  const double most = std::max(g.sign * ends[0], g.sign * ends[1]);
+  const bool never_closes = g.close_below <= least, never_opens = g.open_above >= most;
+  if (!never_closes && !never_opens) return;
+  std::ostringstream text;
+  text << "parameter " << param << ": joint " << joint.name << " goes from "
+       << std::min(ends[0], ends[1]) << " to " << std::max(ends[0], ends[1])
+       << (joint.kind == JointKind::prismatic ? " m" : " rad")
+       << ", so that a gripper that closes at " << g.sign * g.close_below << " and opens at "
+       << g.sign * g.open_above << " never " << (never_closes ? "closes" : "opens");
+  warn(world, text.str());
+}
+
+// A gripper that names nothing of this robot or scene would silently never grasp.
+void checkGrippers(const Settings &s, const std::string &ns, World *world)
+{
+  for (size_t i = 0; i < s.grippers.size(); i++) {
+    const GripperSettings &g = s.grippers[i];
+    const std::string param = ns + "/grippers[" + std::to_string(i) + "]";
+    std::string why;
+    if (!g.cloth.empty() && world->findCloth(g.cloth, &why) < 0)
+      throw StartError("parameter " + param + "/cloth: " + why);
+    if (!world->robot) {
+      warn(world, "gripper " + g.name + " never moves: " + ns + "/use_robot is false");
+      continue;
+    }
+    const RobotModel &robot = *world->robot;
+    const int index = robot.findJoint(g.joint);
+    if (index < 0) noSuch(param + "/joint", "joint", g.joint, robot.joints());
+    const Joint &joint = robot.joints()[static_cast<size_t>(index)];
+    if (!joint.movable())
+      throw StartError("parameter " + param + "/joint: joint '" + g.joint + "' is " +
+                       jointKindName(joint.kind) +
+                       ", but must be revolute, continuous or prismatic");
+    for (const std::string &link : g.links)
+      if (robot.findLink(link) < 0 && cloth_body_find(world->scene.get(), link.c_str()) < 0)
+        noSuch(param + "/links", "link", link, robot.links());
+    checkThresholds(g, param, joint, world);
   }
 }
 
@@ -124,8 +202,10 @@ std::unique_ptr<World> loadWorld(const Settings &s, const ros::NodeHandle &nh,
     world->robot = readRobot(s, nh, ns);
     addLinks(s, def.get(), world.get());
     for (const ModelProblem &p : world->robot->problems()) {
-      world->problems.push_back(p.link_or_joint + ": " + p.text);
-      ROS_WARN_STREAM("robot model: " << world->problems.back());
+      if (untilTfSpeaks(*world->robot, p))
+        ROS_WARN_STREAM("robot model: " << p.text);
+      else
+        warn(world.get(), p.text);
     }
     ROS_INFO_STREAM("robot " << world->robot->name() << ": " << world->robot->links().size()
                              << " links, " << world->links.size() << " with collision geometry");
@@ -134,6 +214,7 @@ std::unique_ptr<World> loadWorld(const Settings &s, const ros::NodeHandle &nh,
   if (cloth_scene_new(def.get(), &scene, &err) != CLOTH_OK)
     throw StartError("scene " + s.scene_file + ": " + err.text);
   world->scene.reset(scene);
+  checkGrippers(s, ns, world.get());
   world->may_be_lost = std::string(cloth_backend_of(scene)) != "cpu" &&
                        std::string(cloth_backend_why(scene)) != "asked for"; // by backend: auto
   cloth_scene_hash_steps(scene, s.hash_steps);

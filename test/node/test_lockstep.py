@@ -76,6 +76,15 @@ class Lockstep(unittest.TestCase):
         self.assertTrue(answer.success)
         self.assertIn('no joint_states yet for finger lift', answer.message)
 
+    def test_a_robot_that_is_placed_into_the_cloth_is_told_with_its_links(self):
+        events = one_arm.events()
+        self.reset()
+        answer = self.step(steps=1, joints=one_arm.joint_state(finger=0.02), frames=[one_arm.base_frame(z=0.36)])
+        self.assertTrue(answer.success, answer.message)
+        event = events.until(lambda e: e.kind == 'teleport' and 'placed into the cloth' in e.text, 10)
+        self.assertIsNotNone(event)
+        self.assertRegex(event.text, r'triangles: inner_finger outer_finger;')
+
     def test_paused_refuses_and_goes_on(self):
         pause = one_arm.service('pause', SetBool)
         self.assertTrue(pause(True).success)

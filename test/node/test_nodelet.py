@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """nodelet.test: two cloth nodes in namespaces, one of them a nodelet, do not disturb each other."""
+import subprocess
 import unittest
 
+import roslib.packages
 import rospy
 import rostest
 from robot_cloth.msg import State
@@ -22,6 +24,13 @@ class Nodelet(unittest.TestCase):
         after = rospy.wait_for_message('/b/cloth/state', State, 20)
         self.assertEqual(after.epoch, before.epoch)
         self.assertGreater(after.step, before.step)
+
+    def test_a_nodelet_that_cannot_start_says_why(self):
+        program = roslib.packages.find_node('nodelet', 'nodelet')[0]
+        run = subprocess.run([program, 'standalone', 'robot_cloth/ClothNodelet', '__name:=bare'], stdout=subprocess.PIPE,
+                             stderr=subprocess.STDOUT, universal_newlines=True, timeout=30)
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn('parameter /bare/scene is not set', run.stdout)
 
 
 if __name__ == '__main__':

@@ -517,6 +517,7 @@ std::vector<Bad> badRobots()
        {"'j'", "multiplier", "nan"}},
       {"box_negative", boxes("<box size=\"1 -1 1\"/>"), {"'hand'", "box", "-1 m", "positive"}},
       {"box_zero", boxes("<box size=\"1 1 0\"/>"), {"'hand'", "box", "0 m"}},
+      {"box_huge", boxes("<box size=\"1 1 1e6\"/>"), {"'hand'", "1e+06 m", "at most 10000 m"}},
       {"sphere_negative", boxes("<sphere radius=\"-0.5\"/>"), {"'hand'", "sphere", "-0.5 m"}},
       {"sphere_zero", boxes("<sphere radius=\"0\"/>"), {"'hand'", "sphere"}},
       {"cylinder_radius", boxes("<cylinder radius=\"-1\" length=\"1\"/>"), {"'hand'", "radius"}},
@@ -570,6 +571,24 @@ TEST(tolerance, odd_limits_and_idle_mimics_are_reported_and_used_as_well_as_poss
       difference(pose.links()[static_cast<size_t>(model->findLink("d"))], make({0, 0, 0}, .25)),
       1e-15);
   EXPECT_EQ(pose.missing(), std::vector<std::string>{"j"});
+}
+
+// A millimetre file without scale is the mistake that everybody makes once.
+TEST(sizes, a_mesh_in_another_unit_is_told_with_its_size_and_one_beyond_reason_refused)
+{
+  const std::string path = testing::TempDir() + "/unit.obj";
+  std::ofstream(path) << "v 0 0 0\nv 300 0 0\nv 0 400 0\nf 1 2 3\n";
+  const auto hand = [&](const std::string &scale) {
+    return boxes("<mesh filename=\"file://" + path + "\" scale=\"" + scale + "\"/>");
+  };
+  const auto millimetres = RobotModel::fromUrdf(hand("1 1 1"));
+  ASSERT_EQ(millimetres->problems().size(), 1u);
+  const std::string text = millimetres->problems()[0].text;
+  for (const char *says : {"'hand'", path.c_str(), "500 m across", "millimetres", "0.001"})
+    EXPECT_NE(text.find(says), std::string::npos) << text;
+  EXPECT_TRUE(RobotModel::fromUrdf(hand("0.001 0.001 0.001"))->problems().empty());
+  EXPECT_EQ(RobotModel::fromUrdf(hand("1e-9 1e-9 1e-9"))->problems().size(), 1u);
+  EXPECT_NE(refusal(hand("1000 1000 1")).find("at most 10000 m"), std::string::npos);
 }
 
 // ---- robots of others ----

@@ -53,6 +53,12 @@ class Time(unittest.TestCase):
         self.assertIsNotNone(self.states.until(lambda m: m.epoch == epoch and m.time > first.time + 0.2))
         self.assertIsNotNone(self.vertices.until(lambda m: True, start=seen), 'vertices stopped')
 
+    def stamps_grow(self):
+        """Within an epoch: no message of a new one is stamped with the clock of the old one."""
+        for a, b in zip(self.states.messages, self.states.messages[1:]):
+            if a.epoch == b.epoch:
+                self.assertLessEqual(a.header.stamp.to_sec(), b.header.stamp.to_sec() + 1e-6, b)
+
     def test_1_without_a_clock_it_waits_and_says_so(self):
         found = self.diagnostics.until(lambda m: any('waiting for /clock' in s.message for s in m.status))
         self.assertIsNotNone(found)
@@ -101,6 +107,7 @@ class Time(unittest.TestCase):
         self.assertIsNotNone(self.events.until(lambda e: e.kind == 'time_jump', start=0))
         self.goes_on(epoch + 1)
         self.assertLess(self.last().header.stamp.to_sec(), 90)
+        self.stamps_grow()
 
     def test_7_microseconds_backward_are_no_jump(self):
         epoch = self.last().epoch
@@ -117,6 +124,7 @@ class Time(unittest.TestCase):
         self.goes_on(self.last().epoch)
         self.assertLess(self.last().time, t + 20)
         self.assertIsNotNone(self.states.until(lambda m: m.header.stamp.to_sec() > 1000))
+        self.stamps_grow()
 
     def test_9_step_is_refused_with_the_reason(self):
         answer = one_arm.service('step', Step)(steps=1)

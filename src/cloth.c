@@ -3,6 +3,7 @@
 #include "front.h"
 #include "processes.h"
 #include "record_digest.h"
+#include "scene/mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -62,9 +63,24 @@ static cloth_status check(const cloth_def *def, cloth_error *err)
   CLOTH_TRY(cloth_params_check(&def->params, err));
   CLOTH_TRY(check_accuracy(&def->params, err));
   if (def->cloth_count == 0)
-    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "the scene has no cloth: nothing to simulate");
+    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s%sthe scene has no cloth: nothing to simulate",
+               def->path ? def->path : "", def->path ? ": " : "");
   for (int c = 0; c < def->cloth_count; c++)
     CLOTH_TRY(cloth_material_check(&def->cloth[c].material, err));
+  return CLOTH_OK;
+}
+
+static cloth_status check_edges(const cloth_scene *s, cloth_error *err)
+{
+  const cloth_def *d = s->def;
+  bool is_float = strcmp(d->precision, "float") == 0;
+  for (int c = 0; c < d->cloth_count; c++) {
+    cloth_error cause = {0};
+    cloth_status status = cloth_mesh_check_edges(d->cloth[c].name, is_float, &d->cloth[c].mesh,
+                                                 s->rest[c], &cause);
+    if (status != CLOTH_OK)
+      CLOTH_FAIL(err, status, "%s%s%s", d->path ? d->path : "", d->path ? ": " : "", cause.text);
+  }
   return CLOTH_OK;
 }
 
@@ -102,6 +118,7 @@ cloth_status cloth_scene_new(const cloth_def *def, cloth_scene **out, cloth_erro
   cloth_budget_reset(&s->budget);
   CLOTH_TRY_GOTO(cloth_def_clone(def, &s->def, err), status, fail);
   CLOTH_TRY_GOTO(rest_positions(s, err), status, fail);
+  CLOTH_TRY_GOTO(check_edges(s, err), status, fail);
   CLOTH_TRY_GOTO(join_processes(s, &transport, err), status, fail);
   CLOTH_TRY_GOTO(s->engine->create(s->def, transport, &s->sim, err), status, fail);
   *out = s;

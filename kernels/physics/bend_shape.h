@@ -5,11 +5,14 @@
 // triangle's plane. With the orthotropic plate energy per area, D_warp k_ww^2 / 2 + D_weft k_ff^2 /
 // 2 + sqrt(D_warp D_weft) k_wf^2 (bending without a Poisson effect), the energy is
 //   E = 1/2 sum_ij W_ij (theta_i - rest_i) (theta_j - rest_j),
-// W constant. A missing edge (the border) has no angle: no moment acts there, as on a free edge.
+// W constant, of curvatures that are evened out where triangles are uneven
+// (src/effect/bend_even.c). A missing edge (the border) has no angle: no moment acts there, as on a
+// free edge.
 //
 // Unlike one spring per edge (bend.h), a cylinder of any direction has the energy D/2 kappa^2 on a
-// grid with all diagonals one way, and uneven triangles do not become soft by small folds between
-// them: the moments of a constant curvature are in balance at every inner vertex of any mesh.
+// grid with all diagonals one way, and nearly so on any mesh of triangles that are not thin; and
+// uneven triangles hardly become soft by small folds between them: before it is evened out, the
+// moments of a constant curvature are in balance at every inner vertex of any mesh.
 //
 // Patch: corners 0 1 2 of the triangle, then 3 + i, the corner across edge i, which is opposite
 // corner i. A missing one names corner i itself.

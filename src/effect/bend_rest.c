@@ -115,36 +115,67 @@ static cloth_bend_rest *hinges(const cloth_sim *sim)
 
 // ---- patches ------------------------------------------------------------------------------------
 
-// n of the three edges, (warp, weft), so that theta n n' is the curvature that an edge adds
-static void edge_normals(const cloth_sim *sim, int triangle, double n[3][2], double *face)
+static void triangle_axes(const cloth_sim *sim, int triangle, double warp[3], double weft[3],
+                          double *face)
 {
   const int *v = sim->triangle + 3 * triangle;
-  double warp[3], weft[3], up[3], u[3], w[3];
+  double up[3], u[3], w[3];
   edge(sim, v[0], v[1], u), edge(sim, v[0], v[2], w), cross(u, w, up);
   double size = sqrt(dot(up, up));
   *face = size / 2;
   cloth_warp_direction(sim, triangle, warp);
   cross(up, warp, weft);
   for (int k = 0; k < 3; k++) weft[k] = size > 0 ? weft[k] / size : 0;
+}
+
+// n of the three edges, (warp, weft), so that theta n n' is the curvature that an edge adds
+static void edge_normals(const cloth_sim *sim, int triangle, double n[6])
+{
+  const int *v = sim->triangle + 3 * triangle;
+  double warp[3], weft[3], face;
+  triangle_axes(sim, triangle, warp, weft, &face);
   for (int i = 0; i < 3; i++) {
     double e[3];
     edge(sim, v[(i + 1) % 3], v[(i + 2) % 3], e);
     // n n' is to be unit normals times length / (2 area); e has the length squared
-    double length = sqrt(dot(e, e)), scale = size > 0 ? 1 / sqrt(length * size) : 0;
-    n[i][0] = dot(e, weft) * scale, n[i][1] = -dot(e, warp) * scale;
+    double length = sqrt(dot(e, e)), scale = face > 0 ? 1 / sqrt(length * 2 * face) : 0;
+    n[2 * i] = dot(e, weft) * scale, n[2 * i + 1] = -dot(e, warp) * scale;
   }
 }
 
+void cloth_bend_strain(const double n[2], double out[3])
+{
+  out[0] = n[0] * n[0], out[1] = n[1] * n[1], out[2] = sqrt(2) * n[0] * n[1];
+}
+
+void cloth_bend_corners(const cloth_sim *sim, int triangle, double p[3][2])
+{
+  const int *v = sim->triangle + 3 * triangle;
+  double warp[3], weft[3], e[3], face;
+  triangle_axes(sim, triangle, warp, weft, &face);
+  for (int i = 0; i < 3; i++) {
+    edge(sim, v[0], v[i], e);
+    p[i][0] = dot(e, warp), p[i][1] = dot(e, weft);
+  }
+}
+
+// even [3 x 3]: what the triangle measures of a curvature, evened out
 static void patch_stiffness(const cloth_sim *sim, int triangle, const cloth_material *m,
-                            double w[6], double n[3][2])
+                            const double *n, const double *even, double w[6])
 {
   static const int row[6] = {0, 1, 2, 1, 2, 0}, col[6] = {0, 1, 2, 2, 0, 1};
-  double face, both = sqrt(m->bend_warp * m->bend_weft);
-  edge_normals(sim, triangle, n, &face);
+  const double rigidity[3] = {m->bend_warp, m->bend_weft, sqrt(m->bend_warp * m->bend_weft)};
+  double warp[3], weft[3], face, strain[3][3] = {{0}};
+  triangle_axes(sim, triangle, warp, weft, &face);
+  for (int i = 0; i < 3; i++) {
+    double raw[3];
+    cloth_bend_strain(n + 2 * i, raw);
+    for (int k = 0; k < 9; k++) strain[i][k / 3] += even[k] * raw[k % 3];
+  }
   for (int k = 0; k < 6; k++) {
-    const double *a = n[row[k]], *b = n[col[k]];
-    w[k] = face * (m->bend_warp * a[0] * a[0] * b[0] * b[0] +
-                   m->bend_weft * a[1] * a[1] * b[1] * b[1] + 2 * both * a[0] * a[1] * b[0] * b[1]);
+    const double *a = strain[row[k]], *b = strain[col[k]];
+    w[k] = 0;
+    for (int j = 0; j < 3; j++) w[k] += face * rigidity[j] * a[j] * b[j];
   }
 }
 
@@ -167,7 +198,6 @@ static cloth_bend_rest *patches(const cloth_sim *sim)
 {
   cloth_bend_rest *r = rest_new(sim->triangle_count, 6);
   for (; r && r->count < sim->triangle_count; r->count++) {
-    double n[3][2];
     int t = r->count, *patch = r->vertex + 6 * t;
     r->cloth[t] = cloth_of_triangle(sim, t);
     for (int i = 0; i < 3; i++) {
@@ -182,9 +212,14 @@ static cloth_bend_rest *patches(const cloth_sim *sim)
       const int h[4] = {patch[(i + 1) % 3], patch[(i + 2) % 3], patch[i], patch[3 + i]};
       r->angle[3 * t + i] = angle(sim, h);
     }
-    patch_stiffness(sim, t, &sim->def->cloth[r->cloth[t]].material, r->stiffness + 6 * t, n);
-    memcpy(r->direction + 6 * t, n, sizeof n);
+    edge_normals(sim, t, r->direction + 6 * t);
   }
+  double *even = r ? cloth_bend_even(sim, r) : NULL;
+  for (int t = 0; even && t < r->count; t++)
+    patch_stiffness(sim, t, &sim->def->cloth[r->cloth[t]].material, r->direction + 6 * t,
+                    even + 9 * t, r->stiffness + 6 * t);
+  if (even == NULL) cloth_bend_rest_free(r), r = NULL;
+  free(even);
   return r;
 }
 

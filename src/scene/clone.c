@@ -52,6 +52,7 @@ cloth_status cloth_def_clone(const cloth_def *def, cloth_def **out, cloth_error 
   bool ok = true;
   cloth_def *d = copy(def, sizeof *def, &ok);
   if (d == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "scene description");
+  d->path = copy_text(def->path, &ok);
   d->cloth = copy(def->cloth, sizeof *d->cloth * (size_t)d->cloth_count, &ok);
   d->body = copy(def->body, sizeof *d->body * (size_t)d->body_count, &ok);
   d->pin = copy(def->pin, sizeof *d->pin * (size_t)d->pin_count, &ok);

@@ -66,6 +66,7 @@ void cloth_def_free(cloth_def *def)
   free(def->cloth);
   free(def->body);
   free(def->pin);
+  free(def->path);
   free(def);
 }
 

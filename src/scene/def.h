@@ -86,6 +86,7 @@ typedef enum cloth_effect_wish {
 
 struct cloth_def {
   char name[64];
+  char *path; // of the scene file, for messages; NULL: made by calls
   cloth_params params;
   char backend[16];              // "auto", "cpu", "cuda", "shuffle"
   char precision[8];             // "float", "double"

@@ -29,6 +29,12 @@ void cloth_mesh_free(cloth_mesh *mesh);
 cloth_status cloth_mesh_check(const char *name, bool is_cloth, bool repair, cloth_mesh *mesh,
                               int *kept, cloth_mesh_repairs *repairs, cloth_error *err);
 
+/// Are the edges long enough for the precision, where the cloth lies? (mesh_edges.c)
+/// position  [vertex_count x 3] m, scene frame
+/// CLOTH_BAD_SCENE with the shortest edge and the bound.
+cloth_status cloth_mesh_check_edges(const char *name, bool is_float, const cloth_mesh *mesh,
+                                    const double *position, cloth_error *err);
+
 // ---- made from numbers --------------------------------------------------------------------------
 
 typedef enum cloth_grid_pattern {

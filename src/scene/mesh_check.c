@@ -216,6 +216,8 @@ typedef struct winding {
   signed char *turn; // [triangle_count] 0: not seen, 1: stays, -1: is turned over
   bool *against;     // [triangle_count x 3] the neighbour runs along this side the same way
   int *queue;        // [triangle_count]
+  side first[2];     // the first two that are wound against each other, if `mixed`
+  bool mixed;
 } winding;
 
 static void free_winding(winding *w)
@@ -238,8 +240,7 @@ static cloth_status new_winding(const check *c, winding *w, cloth_error *err)
   CLOTH_FAIL(err, CLOTH_NO_MEMORY, "'%s': no memory to check the mesh", c->name);
 }
 
-static cloth_status link_neighbours(const check *c, const side *sides, size_t n, winding *w,
-                                    cloth_error *err)
+static void link_neighbours(const check *c, const side *sides, size_t n, winding *w)
 {
   for (size_t first = 0, end; first < n; first = end) {
     const side *pair[2];
@@ -249,19 +250,16 @@ static cloth_status link_neighbours(const check *c, const side *sides, size_t n,
     if (alive < 2) continue;
 
     bool against = pair[0]->forward == pair[1]->forward;
-    if (against && !c->repair)
-      CLOTH_FAIL(
-          err, CLOTH_BAD_SCENE,
-          "'%s': triangles %d and %d are wound against each other at the edge of vertices %d "
-          "and %d; mesh_defects: repair turns one over",
-          c->name, pair[0]->triangle, pair[1]->triangle, pair[0]->low, pair[0]->high);
+    if (against && !w->mixed) {
+      w->mixed = true;
+      w->first[0] = *pair[0], w->first[1] = *pair[1];
+    }
     for (int i = 0; i < 2; i++) {
       size_t slot = 3 * (size_t)pair[i]->triangle + (size_t)pair[i]->corner;
       w->neighbour[slot] = pair[1 - i]->triangle;
       w->against[slot] = against;
     }
   }
-  return CLOTH_OK;
 }
 
 // Spread from one triangle over its piece of cloth and turn the smaller share of it over.
@@ -301,9 +299,17 @@ static cloth_status orient(check *c, const side *sides, size_t n, cloth_error *e
 {
   winding w;
   CLOTH_TRY(new_winding(c, &w, err));
-  cloth_status status = link_neighbours(c, sides, n, &w, err);
+  link_neighbours(c, sides, n, &w);
+  cloth_status status = CLOTH_OK;
   for (int t = 0; t < c->mesh->triangle_count && status == CLOTH_OK; t++)
     if (!c->dropped[t] && w.turn[t] == 0) status = orient_piece(c, &w, t, err);
+  // only now, as a cloth with one side is beyond repair
+  if (status == CLOTH_OK && w.mixed && !c->repair)
+    status = cloth_fail(err, CLOTH_BAD_SCENE, __FILE__, __LINE__,
+                        "'%s': triangles %d and %d are wound against each other at the edge of "
+                        "vertices %d and %d; mesh_defects: repair turns one over",
+                        c->name, w.first[0].triangle, w.first[1].triangle, w.first[0].low,
+                        w.first[0].high);
   free_winding(&w);
   return status;
 }

@@ -263,6 +263,9 @@ cloth_status cloth_def_load_with(const char *path, const cloth_load_options *opt
   cloth_status status = cloth_yaml_open(path, &file, err);
   if (status == CLOTH_OK) status = cloth_resolve_variables(&file, o->variant, err);
   file.resolution = o->resolution;
+  def->path = cloth_string_copy(path);
+  if (status == CLOTH_OK && def->path == NULL)
+    status = cloth_fail(err, CLOTH_NO_MEMORY, __FILE__, __LINE__, "no memory for '%s'", path);
   if (status == CLOTH_OK) status = read_scene(cloth_yaml_root(&file), o->preset, def, err);
   cloth_yaml_close(&file);
   if (status != CLOTH_OK) {

@@ -51,19 +51,30 @@ static cloth_status check_values(cloth_value variables, cloth_error *err)
   return CLOTH_OK;
 }
 
-// the values that a variant gives become those of the variables
-static cloth_status apply_variant(cloth_value variant, cloth_value variables, cloth_error *err)
+// every variant, whether it is asked for or not: does it speak of variables that are there?
+static cloth_status check_variants(cloth_value variants, cloth_value variables, cloth_error *err)
 {
   char text[96];
-  CLOTH_TRY(check_values(variant, err));
-  for (int i = 0; i < cloth_yaml_count(variant); i++) {
-    cloth_value value = cloth_yaml_pair(variant, i);
-    int *slot = slot_of(variables, value.key);
-    if (slot == NULL)
-      CLOTH_YAML_FAIL(err, value, "no such variable; %s", hint(variables, value.key, text));
-    *slot = node_index(variant.file, value.node);
+  CLOTH_TRY(cloth_yaml_mapping(variants, NULL, err));
+  for (int i = 0; i < cloth_yaml_count(variants); i++) {
+    cloth_value variant = cloth_yaml_pair(variants, i);
+    CLOTH_TRY(check_values(variant, err));
+    for (int k = 0; k < cloth_yaml_count(variant); k++) {
+      cloth_value value = cloth_yaml_pair(variant, k);
+      if (slot_of(variables, value.key) == NULL)
+        CLOTH_YAML_FAIL(err, value, "no such variable; %s", hint(variables, value.key, text));
+    }
   }
   return CLOTH_OK;
+}
+
+// the values that a variant gives become those of the variables
+static void apply_variant(cloth_value variant, cloth_value variables)
+{
+  for (int i = 0; i < cloth_yaml_count(variant); i++) {
+    cloth_value value = cloth_yaml_pair(variant, i);
+    *slot_of(variables, value.key) = node_index(variant.file, value.node);
+  }
 }
 
 // NAME=VALUE
@@ -93,7 +104,8 @@ static cloth_status apply_word(char *word, cloth_value root, cloth_error *err)
   if (variants.node == NULL || !cloth_yaml_find(variants, word, &variant))
     CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s: no variant '%s'; %s", root.file->path, word,
                hint(variants, word, text));
-  return apply_variant(variant, variables, err);
+  apply_variant(variant, variables);
+  return CLOTH_OK;
 }
 
 // ---- references ---------------------------------------------------------------------------------
@@ -131,9 +143,11 @@ static cloth_status resolve_all(cloth_value root, cloth_error *err)
 
 cloth_status cloth_resolve_variables(cloth_yaml *file, const char *variant, cloth_error *err)
 {
-  cloth_value root = cloth_yaml_root(file), at;
-  if (cloth_yaml_find(root, "variables", &at)) CLOTH_TRY(check_values(at, err));
-  if (cloth_yaml_find(root, "variants", &at)) CLOTH_TRY(cloth_yaml_mapping(at, NULL, err));
+  cloth_value root = cloth_yaml_root(file), variables = {.node = NULL}, variants;
+  if (!cloth_yaml_find(root, "variables", &variables)) variables.node = NULL;
+  if (variables.node) CLOTH_TRY(check_values(variables, err));
+  if (cloth_yaml_find(root, "variants", &variants))
+    CLOTH_TRY(check_variants(variants, variables, err));
   char *words = cloth_string_copy(variant ? variant : ""), *rest = words;
   if (words == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "no memory for variant '%s'", variant);
   cloth_status status = CLOTH_OK;

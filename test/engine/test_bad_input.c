@@ -149,6 +149,45 @@ static int grasps(const char *precision)
 }
 BOTH(a_bad_grasp_is_refused_and_names_its_fault, grasps)
 
+// a triangle with edges of `edge` [m] among larger ones, `far` [m] from the origin
+static cloth_status new_with_edge(const char *precision, double edge, double far, cloth_error *err)
+{
+  const double x[] = {-0.05, -0.05, 0, 0.05, -0.05, 0, edge, 0, 0, 0, edge, 0, 0, 0, 0};
+  const int t[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 0, 4, 3};
+  cloth_scene *scene = NULL;
+  cloth_def *def = def_new(precision);
+  def_set(def, "bounds", "10000");
+  cloth_cloth_view v = {.name = "towel",
+                        .mesh = {5, 4, x, t, NULL},
+                        .material = cloth_material_default(),
+                        .pose = pose_at(far, 0, 0)};
+  must(cloth_def_add_cloth(def, &v, NULL, err), err);
+  cloth_status status = cloth_scene_new(def, &scene, err);
+  cloth_scene_free(scene);
+  cloth_def_free(def);
+  return status;
+}
+
+static int short_edges(const char *precision)
+{
+  bool is_float = strcmp(precision, "float") == 0;
+  static const struct {
+    double edge, far;
+    bool is_float, is_double; // taken
+  } at[] = {{1e-6, 1, 1, 1}, {1e-7, 1, 0, 1}, {1e-8, 1, 0, 1}, {1e-9, 1, 0, 0}, {1e-4, 1000, 0, 1}};
+  for (int i = 0; i < 5; i++) {
+    cloth_error err = {0};
+    bool taken = new_with_edge(precision, at[i].edge, at[i].far, &err) == CLOTH_OK;
+    CHECK(taken == (is_float ? at[i].is_float : at[i].is_double));
+    if (taken) continue;
+    CHECK(strstr(err.text, "'towel': the edge of vertices"));
+    CHECK(strstr(err.text, precision) && strstr(err.text, " m from the origin"));
+    CHECK((strstr(err.text, "precision: double holds it") != NULL) == at[i].is_double);
+  }
+  return 0;
+}
+BOTH(edges_below_what_the_precision_holds_are_refused, short_edges)
+
 static int descriptions(const char *precision)
 {
   cloth_error err = {0};
@@ -286,6 +325,7 @@ int main(int argc, char **argv)
   sheet_make(&cloth, 0.3, 0.3, N, N);
   RUN(an_argument_out_of_range_is_refused_with_value_and_range);
   RUN(a_bad_grasp_is_refused_and_names_its_fault);
+  RUN(edges_below_what_the_precision_holds_are_refused);
   RUN(a_description_that_cannot_be_built_says_why);
   RUN(a_state_file_that_does_not_belong_is_refused_and_the_scene_goes_on);
   RUN(an_explosion_is_reported_and_the_state_is_that_of_before);

@@ -68,7 +68,8 @@ static const row rows[] = {
     {"variables: {time: 1}\nduration: $tmie\n", 2, NULL, "'$tmie': no such variable; the nearest is 'time'"},
     {"duration: $time\n", 1, NULL, "'$time': no such variable; the file has none"},
     {"variables: {time: soon}\nduration: $time\n", 1, "duration", "'soon' is not a number"},
-    {"variables: {t: 1}\nvariants: {a: 3}\nduration: $t\ncloths: 1\n", 4, "cloths", "expected a list"},
+    {"variables: {t: 1}\nvariants: {a: 3}\nduration: $t\n", 2, "a", "expected keys with values, found '3'"},
+    {"variables: {t: 1}\nvariants: {a: {t: 2}, b: {u: 3}}\nduration: $t\n", 2, "u", "no such variable; the nearest is 't'"},
     {"variants: []\n", 1, "variants", "expected keys with values, found a list of 0"},
     // params, effects
     {"params: 1\n", 1, "params", "expected keys with values, found '1'"},

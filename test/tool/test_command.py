@@ -132,7 +132,7 @@ def scene_errors_name_file_line_and_key(tmp):
     write(tmp, "mesh.yaml", SCENE.replace("grid: {size: [0.2, 0.2], resolution: [9, 9]}", "mesh: gone.obj"))
     refused(tmp, ["run", "mesh.yaml"], "mesh.yaml:11", "gone.obj")
     write(tmp, "nothing.yaml", SCENE[:SCENE.index("cloths:")])
-    refused(tmp, ["run", "nothing.yaml"], "no cloth")
+    refused(tmp, ["run", "nothing.yaml"], "nothing.yaml", "no cloth")
     write(tmp, "endless.yaml", SCENE.replace("duration: 0.2\n", ""))
     refused(tmp, ["run", "endless.yaml"], "--steps", "--seconds")
 

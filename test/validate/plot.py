@@ -41,7 +41,7 @@ def cantilever(gamma, load, steps=400):
     return end[2], end[3]
 
 
-MARKS = {"grid, one way": "s", "grid, alternating": "D", "unstructured": "o"}
+MARKS = {"grid, one way": "s", "grid, alternating": "D", "unstructured": "o", "uneven": "^"}
 
 
 def draw(rows, test, curve, xlabel, ylabel, path, logarithmic):

@@ -1,7 +1,7 @@
 #include "validate/strip.h"
 
-const char *const strip_mesh_name[STRIP_MESHES] = {"grid, one way", "grid, alternating",
-                                                   "unstructured"};
+const char *const strip_mesh_name[STRIP_MESHES + 1] = {"grid, one way", "grid, alternating",
+                                                       "unstructured", "uneven"};
 
 // ---- meshes -------------------------------------------------------------------------------------
 
@@ -59,7 +59,8 @@ static void offset_cells(strip *s, int across)
 void strip_make(strip *s, strip_mesh mesh, double length, int cells, int across, int tail)
 {
   unsigned seed = 5;
-  int free_mesh = mesh == STRIP_UNSTRUCTURED;
+  int free_mesh = mesh == STRIP_UNSTRUCTURED || mesh == STRIP_UNEVEN;
+  double jitter = mesh == STRIP_UNEVEN ? 0.3 : 0.15;
   double h = length / cells, dy = free_mesh ? h * 2 / sqrt(3) : h;
   s->vertices = s->triangles = 0;
   s->columns = cells + 2 + tail;
@@ -72,7 +73,7 @@ void strip_make(strip *s, strip_mesh mesh, double length, int cells, int across,
       int side = i == 0 || i == n - 1;
       double y = odd ? (side ? (i ? across : 0) : i - 0.5) * dy : i * dy, x = (c - 1) * h;
       if (free_mesh && !straight && !side)
-        x += 0.15 * h * noise(&seed), y += 0.15 * dy * noise(&seed);
+        x += jitter * h * noise(&seed), y += jitter * dy * noise(&seed);
       vertex(s, x, y - s->width / 2);
     }
   }

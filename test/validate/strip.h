@@ -7,9 +7,10 @@ typedef enum strip_mesh {
   STRIP_LEFT,
   STRIP_ALTERNATING,
   STRIP_UNSTRUCTURED,
-  STRIP_MESHES
+  STRIP_MESHES,
+  STRIP_UNEVEN = STRIP_MESHES // the same, twice as uneven: where bending is measured most wrongly
 } strip_mesh;
-extern const char *const strip_mesh_name[STRIP_MESHES];
+extern const char *const strip_mesh_name[STRIP_MESHES + 1];
 
 enum { STRIP_MAX = 12000 };
 

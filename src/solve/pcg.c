@@ -394,7 +394,7 @@ cloth_status cloth_solve(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], c
 static double relative_of(const cloth_real scalar[CLOTH_PCG_SCALARS])
 {
   double bb = (double)scalar[CLOTH_PCG_BB], rr = (double)scalar[CLOTH_PCG_RESIDUAL];
-  return bb > 0 ? sqrt(rr / bb) : 0;
+  return bb <= 0 ? 0 : sqrt(rr / bb); // not a number: no solution either
 }
 
 bool cloth_solve_failed(const cloth_sim *sim, const cloth_real scalar[CLOTH_PCG_SCALARS])

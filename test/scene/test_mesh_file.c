@@ -218,6 +218,8 @@ static int every_way_to_write_a_face(void)
                                       "f 1/1 2/2 3/3",
                                       "f 1//1 2//1 3//1",
                                       "f 1/1/1 2/2/1 3/3/1",
+                                      "f 1/ 2/ 3/",
+                                      "f 1// 2// 3//",
                                       "f -4/-3/-1 -3/-2/-1 -2/-1/-1",
                                       "  f\t1   2 \\\n 3  # comment",
                                       "f 1 2 3\r",
@@ -232,7 +234,7 @@ static int every_way_to_write_a_face(void)
     CHECK_OK(read_obj(text, &m, &err), err);
     CHECK(m.mesh.vertex_count == 4 && m.mesh.triangle_count == 1);
     CHECK(memcmp(m.mesh.triangle, expected, sizeof expected) == 0);
-    bool has_vt = strchr(faces[i], '/') && !strstr(faces[i], "//");
+    bool has_vt = strchr(faces[i], '/') && !strstr(faces[i], "//") && !strstr(faces[i], "/ ");
     CHECK((m.mesh.material != NULL) == has_vt);
     if (has_vt)
       CHECK(m.mesh.material[2] == 1 && m.mesh.material[3] == 0 && m.mesh.material[5] == 1);

@@ -25,11 +25,11 @@
 // the time proved free so far, and so is NaN in the input.
 //
 // In double and for contact itself (level 0), what this leaves as an impact is put to toi_close.h
-// once more: a 0 is then a proof for the coordinates exactly as given. In float, where 64 eps M of
-// a floor of 50 m is more than the clearance of what lies on it, one plane for the whole step is
-// tried in double; there 4 eps X is all that is left of the error, and not even that where a share
-// of the distance is asked for: then the coordinates are the state itself, not rounded from
-// another.
+// once more: a 0 is then a proof for the coordinates exactly as given, and so is that nothing meets
+// before the time. In float, where 64 eps M of a floor of 50 m is more than the clearance of what
+// lies on it, one plane for the whole step is tried in double; there 4 eps X is all that is left of
+// the error, and not even that where a share of the distance is asked for: then the coordinates are
+// the state itself, not rounded from another.
 //
 // Where a share of the distance is asked for, what ran out of iterations, and in float what
 // rounding hides, is put to planes that turn (toi_turn.h).
@@ -124,7 +124,7 @@ CLOTH_FN int cloth_toi_search(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], in
   double apart = (double)t; // t stays: contacts are measured there, in float
   if (share > 0 && cloth_toi_turn_search(x_t0, x_t1, split, gap, share, &apart)) return 0;
 #else
-  if (level == 0 && !cloth_toi_close(x_t0, x_t1, split, t)) return 0;
+  if (level == 0 && !cloth_toi_close_calls(x_t0, x_t1, split, &t)) return 0;
   if (level > 0 && steps == CLOTH_TOI_ITERATIONS_MAX &&
       cloth_toi_turn_search(x_t0, x_t1, split, gap, share, &t))
     return 0;

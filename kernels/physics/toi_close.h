@@ -1,132 +1,41 @@
-// The close calls of toi.h, decided in pairs of doubles (about 31 digits).
+// The close calls of toi.h, decided in pairs of doubles (toi_wide.h).
 //
 // Two features that pass each other at 1e-17 m cannot be told from two that meet in double. Here
 // the same search with separating planes is taken up where that one stopped, for contact itself
-// (level 0), with every coordinate taken as exactly what it is. It costs some hundred times as
-// much, so features that plainly pass through each other are seen beforehand; toi.h calls it only
-// in double and only when its answer would be yes. In float the coordinates themselves are not that
-// good.
-//
-// Sources: T. Dekker, A floating-point technique for
-// extending the available precision, 1971; D. Knuth, The Art of Computer Programming 2, 4.2.2
-// (exact sum); Y. Hida, X. Li, D. Bailey, Library for double-double and quad-double arithmetic,
-// 2007.
+// (level 0), with every coordinate taken as exactly what it is. It costs some fifty times as much,
+// so features that plainly pass through each other are seen beforehand, and where planes come on in
+// ever smaller steps (long thin features that turn) the signs of polynomials decide
+// (toi_signs.h). toi.h calls it only in double and only when its answer would be yes. In float the
+// coordinates themselves are not that good.
 #pragma once
 
-#include "real.h"
+#include "toi_signs.h"
+#include "toi_turn.h"
 
-/// hi + lo, lo at most half a last digit of hi.
-typedef struct cloth_toi_wide {
-  double hi, lo;
-} cloth_toi_wide;
+#define CLOTH_TOI_CLOSE_STEPS  64 // of planes, in each round
+#define CLOTH_TOI_CLOSE_ROUNDS 4  // of planes and signs
 
-typedef struct cloth_toi_wide3 {
-  cloth_toi_wide x, y, z;
-} cloth_toi_wide3;
+/// Four points in straight motion, x(t) = start + t rate, relative to the second of them.
+typedef struct cloth_toi_close {
+  cloth_toi_wide3 start[4], rate[4];
+  double largest, error; // of the coordinates; how far a separation along a unit normal may be off
+  int split;             // 1: points before this one are the first feature
+} cloth_toi_close;
 
-#define CLOTH_TOI_WIDE_EPSILON                                                                     \
-  4.9303806576313238e-32 // 2^-104, bounds the error of each operation below
-#define CLOTH_TOI_WIDE_ITERATIONS 64
-
-// exact a + b
-CLOTH_FN cloth_toi_wide cloth_toi_wide_sum(double a, double b)
+CLOTH_FN cloth_toi_close cloth_toi_close_make(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4],
+                                              int split)
 {
-  cloth_toi_wide s;
-  s.hi = a + b;
-  double part = s.hi - a;
-  s.lo = (a - (s.hi - part)) + (b - part);
-  return s;
-}
-
-// exact a * b; nvcc must not fuse this product into a later sum
-CLOTH_FN cloth_toi_wide cloth_toi_wide_product(double a, double b)
-{
-  cloth_toi_wide p;
-#ifdef __CUDA_ARCH__
-  p.hi = __dmul_rn(a, b);
-#else
-  p.hi = a * b;
-#endif
-  p.lo = fma(a, b, -p.hi);
-  return p;
-}
-
-CLOTH_FN cloth_toi_wide cloth_toi_wide_add(cloth_toi_wide a, cloth_toi_wide b)
-{
-  cloth_toi_wide s = cloth_toi_wide_sum(a.hi, b.hi), t = cloth_toi_wide_sum(a.lo, b.lo);
-  s = cloth_toi_wide_sum(s.hi, s.lo + t.hi);
-  return cloth_toi_wide_sum(s.hi, s.lo + t.lo);
-}
-
-CLOTH_FN cloth_toi_wide cloth_toi_wide_negate(cloth_toi_wide a)
-{
-  a.hi = -a.hi, a.lo = -a.lo;
-  return a;
-}
-
-CLOTH_FN cloth_toi_wide cloth_toi_wide_sub(cloth_toi_wide a, cloth_toi_wide b)
-{
-  return cloth_toi_wide_add(a, cloth_toi_wide_negate(b));
-}
-
-CLOTH_FN cloth_toi_wide cloth_toi_wide_mul(cloth_toi_wide a, cloth_toi_wide b)
-{
-  cloth_toi_wide p = cloth_toi_wide_product(a.hi, b.hi);
-  cloth_toi_wide q = cloth_toi_wide_product(a.hi, b.lo), r = cloth_toi_wide_product(a.lo, b.hi);
-  return cloth_toi_wide_sum(p.hi, p.lo + (q.hi + r.hi));
-}
-
-CLOTH_FN cloth_toi_wide cloth_toi_wide_div(cloth_toi_wide a, cloth_toi_wide b)
-{
-  cloth_toi_wide q = cloth_toi_wide_sum(a.hi / b.hi, 0);
-  for (int k = 0; k < 2; k++) {
-    cloth_toi_wide rest = cloth_toi_wide_sub(a, cloth_toi_wide_mul(q, b));
-    q = cloth_toi_wide_add(q, cloth_toi_wide_sum(rest.hi / b.hi, 0));
+  cloth_toi_close m;
+  m.largest = 0, m.split = split;
+  for (int p = 0; p < 4; p++) {
+    cloth_toi_wide3 end = cloth_toi_wide3_between(x_t1[p], x_t1[1]);
+    m.start[p] = cloth_toi_wide3_between(x_t0[p], x_t0[1]);
+    m.rate[p] = cloth_toi_wide3_sub(end, m.start[p]);
+    m.largest = cloth_toi_wide3_largest(end, cloth_toi_wide3_largest(m.start[p], m.largest));
   }
-  return q;
-}
-
-// a - b of given coordinates, exact
-CLOTH_FN cloth_toi_wide3 cloth_toi_wide3_between(cloth_v3 a, cloth_v3 b)
-{
-  cloth_toi_wide3 d;
-  d.x = cloth_toi_wide_sum(a.x, -b.x);
-  d.y = cloth_toi_wide_sum(a.y, -b.y);
-  d.z = cloth_toi_wide_sum(a.z, -b.z);
-  return d;
-}
-
-CLOTH_FN cloth_toi_wide3 cloth_toi_wide3_sub(cloth_toi_wide3 a, cloth_toi_wide3 b)
-{
-  a.x = cloth_toi_wide_sub(a.x, b.x);
-  a.y = cloth_toi_wide_sub(a.y, b.y);
-  a.z = cloth_toi_wide_sub(a.z, b.z);
-  return a;
-}
-
-// a + s b
-CLOTH_FN cloth_toi_wide3 cloth_toi_wide3_add_scaled(cloth_toi_wide3 a, cloth_toi_wide s,
-                                                    cloth_toi_wide3 b)
-{
-  a.x = cloth_toi_wide_add(a.x, cloth_toi_wide_mul(s, b.x));
-  a.y = cloth_toi_wide_add(a.y, cloth_toi_wide_mul(s, b.y));
-  a.z = cloth_toi_wide_add(a.z, cloth_toi_wide_mul(s, b.z));
-  return a;
-}
-
-CLOTH_FN cloth_toi_wide cloth_toi_wide3_dot(cloth_toi_wide3 a, cloth_toi_wide3 b)
-{
-  cloth_toi_wide s = cloth_toi_wide_add(cloth_toi_wide_mul(a.x, b.x), cloth_toi_wide_mul(a.y, b.y));
-  return cloth_toi_wide_add(s, cloth_toi_wide_mul(a.z, b.z));
-}
-
-CLOTH_FN cloth_toi_wide3 cloth_toi_wide3_cross(cloth_toi_wide3 a, cloth_toi_wide3 b)
-{
-  cloth_toi_wide3 c;
-  c.x = cloth_toi_wide_sub(cloth_toi_wide_mul(a.y, b.z), cloth_toi_wide_mul(a.z, b.y));
-  c.y = cloth_toi_wide_sub(cloth_toi_wide_mul(a.z, b.x), cloth_toi_wide_mul(a.x, b.z));
-  c.z = cloth_toi_wide_sub(cloth_toi_wide_mul(a.x, b.y), cloth_toi_wide_mul(a.y, b.x));
-  return c;
+  // the count of roundings in toi.h, and as much again for the tenfold operations here
+  m.error = 1024 * CLOTH_TOI_WIDE_EPSILON * m.largest;
+  return m;
 }
 
 // How long the plane with normal n keeps points before `split` and the rest at least `error` apart;
@@ -159,96 +68,107 @@ CLOTH_FN cloth_toi_wide cloth_toi_close_time(const cloth_toi_wide3 x[4],
 
 // The k-th normal that may separate a vertex from a face (7) or an edge from an edge (9): of the
 // face or of both edges, between corners, and between a corner and an edge. Where the nearest
-// points lie is not asked: at this distance it is not known.
+// points lie is not asked: at this distance it is not known. It is made of d, from corner[0] to
+// corner[1], and e, from corner[2] to corner[3]: 0 d x e, 1 d, 2 (e x d) x e.
+CLOTH_FN int cloth_toi_close_corners(int split, int k, int corner[4])
+{
+  int corners = split == 1 ? 3 : 4; // normals between corners
+  int p = k > corners ? k - corners : k, first_edge = k - corners == 1 || k - corners == 4;
+  if (k == 0) {
+    corner[0] = split == 1, corner[1] = split == 1 ? 2 : 1;
+    corner[2] = split == 1 ? 1 : 2, corner[3] = 3;
+    return 0;
+  }
+  corner[0] = split == 1 ? 0 : (p - 1) / 2;
+  corner[1] = split == 1 ? p : 2 + (p - 1) % 2;
+  // the edges of the face in turn; each edge with each end of the other once
+  corner[2] = split == 1 ? p : first_edge ? 0 : 2;
+  corner[3] = split == 1 ? p % 3 + 1 : first_edge ? 1 : 3;
+  return k > corners ? 2 : 1;
+}
+
 CLOTH_FN cloth_toi_wide3 cloth_toi_close_normal(const cloth_toi_wide3 x[4], int split, int k)
 {
-  cloth_toi_wide3 e, d;
-  if (split == 1) {
-    if (k == 0)
-      return cloth_toi_wide3_cross(cloth_toi_wide3_sub(x[2], x[1]),
-                                   cloth_toi_wide3_sub(x[3], x[1]));
-    int p = k < 4 ? k : k - 3, q = p == 3 ? 1 : p + 1;
-    d = cloth_toi_wide3_sub(x[p], x[0]);
-    if (k < 4) return d;
-    e = cloth_toi_wide3_sub(x[q], x[p]);
-  } else {
-    cloth_toi_wide3 u = cloth_toi_wide3_sub(x[1], x[0]), v = cloth_toi_wide3_sub(x[3], x[2]);
-    if (k == 0) return cloth_toi_wide3_cross(u, v);
-    int p = (k - 1) % 4; // ends 0 and 1 of the first edge against those of the second
-    d = cloth_toi_wide3_sub(x[2 + p % 2], x[p / 2]);
-    if (k < 5) return d;
-    e = p == 0 || p == 3 ? u : v; // each edge with each end of the other once
-  }
-  return cloth_toi_wide3_cross(cloth_toi_wide3_cross(e, d), e);
+  int c[4], made = cloth_toi_close_corners(split, k, c);
+  cloth_toi_wide3 d = cloth_toi_wide3_sub(x[c[1]], x[c[0]]);
+  if (made == 1) return d;
+  cloth_toi_wide3 e = cloth_toi_wide3_sub(x[c[3]], x[c[2]]);
+  return made == 0 ? cloth_toi_wide3_cross(d, e)
+                   : cloth_toi_wide3_cross(cloth_toi_wide3_cross(e, d), e);
 }
 
-// On which side of the plane of the face (of both edges) are the features at time t? 1 or -1 where
-// their lines of sight clearly cross: well inside both, well off the plane, no sliver; else 0.
-CLOTH_FN int cloth_toi_close_side(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
-                                  cloth_real t)
+CLOTH_FN cloth_toi_double3 cloth_toi_close_rounded(cloth_toi_wide3 a, cloth_toi_wide3 b)
 {
-  const cloth_real within = (cloth_real)0.0009765625;          // 2^-10, of a weight, of a sine
-  const cloth_real clear = (cloth_real)1.4551915228366852e-11; // 2^-36, of the length of the edges
-  cloth_v3 x[4];
-  for (int p = 0; p < 4; p++) {
-    cloth_v3 start = cloth_v3_sub(x_t0[p], x_t0[1]);
-    x[p] = cloth_v3_add_scaled(start, t, cloth_v3_sub(cloth_v3_sub(x_t1[p], x_t1[1]), start));
-  }
-  cloth_v3 u = split == 1 ? cloth_v3_sub(x[2], x[1]) : cloth_v3_sub(x[1], x[0]);
-  cloth_v3 v = split == 1 ? cloth_v3_sub(x[3], x[1]) : cloth_v3_sub(x[3], x[2]);
-  cloth_v3 d = split == 1 ? cloth_v3_sub(x[0], x[1]) : cloth_v3_sub(x[2], x[0]);
-  cloth_v3 n = cloth_v3_cross(u, v);
-  cloth_real nn = cloth_v3_dot(n, n), uu = cloth_v3_dot(u, u), vv = cloth_v3_dot(v, v);
-  if (!(nn > within * within * uu * vv)) return 0;
-  cloth_real a = cloth_v3_dot(cloth_v3_cross(d, v), n) / nn;
-  cloth_real b = cloth_v3_dot(cloth_v3_cross(split == 1 ? u : d, split == 1 ? d : u), n) / nn;
-  if (!(a > within && b > within)) return 0;
-  if (!(split == 1 ? a + b < 1 - within : a < 1 - within && b < 1 - within)) return 0;
-  cloth_real height = cloth_v3_dot(d, n);
-  if (!(height * height > clear * clear * nn * (uu + vv))) return 0;
-  return height > 0 ? 1 : -1;
+  cloth_toi_wide3 d = cloth_toi_wide3_sub(a, b);
+  cloth_toi_double3 r = {d.x.hi, d.y.hi, d.z.hi};
+  return r;
 }
 
-// Is it plain that they pass through each other around t? Most impacts are of this kind, and what
-// follows need not be asked. A wrong yes would be an impact too many, no miss.
-CLOTH_FN int cloth_toi_close_plain(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
-                                   cloth_real t)
+// Is the k-th normal far from separating the features? In double, where most are told to be.
+// `largest` is that of the coordinates.
+CLOTH_FN int cloth_toi_close_idle(const cloth_toi_wide3 x[4], int split, int k, double largest)
 {
-  const cloth_real around = (cloth_real)1.52587890625e-05; // 2^-16 of the step
-  if (!(t >= around && t + around <= 1)) return 0;
-  int before = cloth_toi_close_side(x_t0, x_t1, split, t - around);
-  return before && before == -cloth_toi_close_side(x_t0, x_t1, split, t + around);
+  const double around = 9.094947017729282e-13; // 2^-40, many times what rounding does
+  int c[4], made = cloth_toi_close_corners(split, k, c);
+  double least = 0, most = 0;
+  cloth_toi_double3 n = cloth_toi_close_rounded(x[c[1]], x[c[0]]);
+  double size = sqrt(cloth_toi_double3_dot(n, n)); // of what n is made of
+  if (made != 1) {
+    cloth_toi_double3 e = cloth_toi_close_rounded(x[c[3]], x[c[2]]);
+    double length = sqrt(cloth_toi_double3_dot(e, e));
+    n = cloth_toi_double3_cross(n, e);
+    size *= length;
+    if (made == 2) n = cloth_toi_double3_cross(e, n), size *= length;
+  }
+  for (int i = 0; i < split; i++)
+    for (int j = split; j < 4; j++) {
+      double h = cloth_toi_double3_dot(n, cloth_toi_close_rounded(x[j], x[i]));
+      least = h < least ? h : least;
+      most = h > most ? h : most;
+    }
+  double allowed = around * size * largest;
+  return least < -allowed && most > allowed;
 }
 
-// Do the features, proved apart until t, meet in [t, 1]? 0 is a proof that they do not, for the
-// coordinates as given.
-CLOTH_FN int cloth_toi_close(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split, double t)
+// Steps of planes from *now on. Returns CLOTH_TOI_APART if they keep the features apart until the
+// end, CLOTH_TOI_MEET if none keeps them apart any longer, CLOTH_TOI_UNKNOWN if they still come on.
+CLOTH_FN int cloth_toi_close_search(const cloth_toi_close *m, cloth_toi_wide *now)
 {
-  cloth_toi_wide3 start[4], rate[4], x[4];
-  cloth_toi_wide now = {t, 0};
-  if (cloth_toi_close_plain(x_t0, x_t1, split, (cloth_real)t)) return 1;
-  double largest = 0;
-  for (int p = 0; p < 4; p++) {
-    cloth_toi_wide3 end = cloth_toi_wide3_between(x_t1[p], x_t1[1]);
-    start[p] = cloth_toi_wide3_between(x_t0[p], x_t0[1]);
-    rate[p] = cloth_toi_wide3_sub(end, start[p]);
-    largest =
-        fmax(largest, fmax(fmax(fabs(start[p].x.hi), fabs(start[p].y.hi)), fabs(start[p].z.hi)));
-    largest = fmax(largest, fmax(fmax(fabs(end.x.hi), fabs(end.y.hi)), fabs(end.z.hi)));
-  }
-  // the count of roundings in toi.h, and as much again for the tenfold operations here
-  double error = 1024 * CLOTH_TOI_WIDE_EPSILON * largest;
-  for (int k = 0; k < CLOTH_TOI_WIDE_ITERATIONS; k++) {
-    for (int p = 0; p < 4; p++) x[p] = cloth_toi_wide3_add_scaled(start[p], now, rate[p]);
+  cloth_toi_wide3 x[4];
+  for (int k = 0; k < CLOTH_TOI_CLOSE_STEPS; k++) {
+    for (int p = 0; p < 4; p++) x[p] = cloth_toi_wide3_add_scaled(m->start[p], *now, m->rate[p]);
     cloth_toi_wide step = {0, 0};
-    for (int c = 0; c < (split == 1 ? 7 : 9); c++) {
-      cloth_toi_wide time =
-          cloth_toi_close_time(x, rate, split, cloth_toi_close_normal(x, split, c), error);
+    for (int c = 0; c < (m->split == 1 ? 7 : 9); c++) {
+      if (cloth_toi_close_idle(x, m->split, c, m->largest)) continue;
+      cloth_toi_wide3 n = cloth_toi_close_normal(x, m->split, c);
+      cloth_toi_wide time = cloth_toi_close_time(x, m->rate, m->split, n, m->error);
       if (time.hi > step.hi || (time.hi == step.hi && time.lo > step.lo)) step = time;
     }
-    if (!(step.hi > 0)) return 1;
-    now = cloth_toi_wide_add(now, step);
-    if (now.hi > 1) return 0;
+    if (!(step.hi > 0)) return CLOTH_TOI_MEET;
+    *now = cloth_toi_wide_add(*now, step);
+    // at that time they are still apart, by the error
+    if (now->hi > 1 || (now->hi == 1 && now->lo >= 0)) return CLOTH_TOI_APART;
   }
+  return CLOTH_TOI_UNKNOWN;
+}
+
+// Do the features, proved apart until *t, meet in [*t, 1]? 0 is a proof that they do not, for the
+// coordinates as given. If they do, *t is a time until which they are apart, no earlier than it
+// was.
+CLOTH_FN int cloth_toi_close_calls(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
+                                   double *t)
+{
+  cloth_toi_wide now = {*t, 0};
+  cloth_toi_signs signs = cloth_toi_signs_make(x_t0, x_t1, split);
+  if (cloth_toi_signs_cross(&signs, now)) return 1;
+  cloth_toi_close m = cloth_toi_close_make(x_t0, x_t1, split);
+  int found = CLOTH_TOI_UNKNOWN;
+  for (int k = 0; k < CLOTH_TOI_CLOSE_ROUNDS && found == CLOTH_TOI_UNKNOWN; k++) {
+    found = cloth_toi_close_search(&m, &now);
+    if (found == CLOTH_TOI_UNKNOWN) found = cloth_toi_signs_search(&signs, &now);
+  }
+  if (found == CLOTH_TOI_APART) return 0;
+  double down = now.lo < 0 ? now.hi * (1 - CLOTH_TOI_DOUBLE_EPSILON) : now.hi;
+  if (down > *t) *t = down;
   return 1;
 }

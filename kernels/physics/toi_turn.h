@@ -36,14 +36,19 @@ CLOTH_FN double cloth_toi_double3_dot(cloth_toi_double3 a, cloth_toi_double3 b)
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+CLOTH_FN cloth_toi_double3 cloth_toi_double3_cross(cloth_toi_double3 a, cloth_toi_double3 b)
+{
+  cloth_toi_double3 c = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+  return c;
+}
+
 #ifdef CLOTH_SINGLE_PRECISION
 // The normal of the face, or of both edges, at x, of any length.
 CLOTH_FN cloth_toi_double3 cloth_toi_double3_normal(const cloth_v3 x[4], int split)
 {
   cloth_toi_double3 u = cloth_toi_double3_between(split == 1 ? x[2] : x[1], x[split == 1]);
   cloth_toi_double3 v = cloth_toi_double3_between(x[3], split == 1 ? x[1] : x[2]);
-  cloth_toi_double3 n = {u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
-  return n;
+  return cloth_toi_double3_cross(u, v);
 }
 
 // Smallest separation along n of the corners at x [m], the second feature behind the first; NaN if

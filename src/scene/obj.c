@@ -139,9 +139,12 @@ static cloth_status read_corner(reader *r, int *vertex, int *texture, cloth_erro
   CLOTH_TRY(read_index(r, "vertex", r->v.count / 3, vertex, err));
   if (*r->at != '/') return CLOTH_OK;
   r->at++;
-  if (*r->at != '/') CLOTH_TRY(read_index(r, "vt", r->vt.count / 2, texture, err));
+  // some exporters leave what they do not have empty: 1/ and 1//
+  if (*r->at != '/' && !at_end_of_word(*r->at))
+    CLOTH_TRY(read_index(r, "vt", r->vt.count / 2, texture, err));
   if (*r->at != '/') return CLOTH_OK;
   r->at++;
+  if (at_end_of_word(*r->at)) return CLOTH_OK;
   // normals are not kept, so how many there are was not counted
   if (*r->at == '-')
     while (!at_end_of_word(*r->at)) r->at++;

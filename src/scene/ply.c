@@ -174,11 +174,14 @@ static cloth_status read_property(reader *r, const char *line, cloth_error *err)
   if (p->type == NO_TYPE) PLY_FAIL(r, err, "'%s' is not a PLY type", type);
   if (list && (p->count_type == NO_TYPE || p->count_type >= FLOAT32))
     PLY_FAIL(r, err, "'%s' is not a whole PLY type", count);
+  for (int i = 0; i < e->property_count && p->meaning != IGNORED; i++) {
+    if (e->property[i].meaning != p->meaning) continue;
+    if (p->meaning != WARP && p->meaning != WEFT)
+      PLY_FAIL(r, err, "'%.60s' repeats what an earlier property gives", line);
+    p->meaning = IGNORED; // a second set of texture coordinates
+  }
   if (p->meaning >= X && p->meaning <= Z) r->has_axis[p->meaning - X] = true;
   if (p->meaning == WARP || p->meaning == WEFT) r->has_material[p->meaning - WARP] = true;
-  for (int i = 0; i < e->property_count; i++)
-    if (p->meaning != IGNORED && e->property[i].meaning == p->meaning)
-      PLY_FAIL(r, err, "'%.60s' repeats what an earlier property gives", line);
   e->property_count++;
   return CLOTH_OK;
 }

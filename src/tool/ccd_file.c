@@ -80,6 +80,8 @@ static cloth_status next_line(ccd_file *f, bool *there, cloth_error *err)
     if (length < 0) break;
     f->line++;
     if ((size_t)length != strlen(f->text)) LINE_FAIL(f, err, "a NUL byte; this is no text");
+    if (f->line == 1 && strncmp(f->text, "\xef\xbb\xbf", 3) == 0) // byte order mark
+      memcpy(f->text, "   ", 3);
     if (*skip_blanks(f->text) == '\0') continue;
     *there = true;
     return CLOTH_OK;
@@ -95,7 +97,9 @@ static cloth_status bad_column(ccd_file *f, int column, cloth_error *err)
   const char *at = f->text;
   for (int k = 1; k < column; k++) at = strchr(at, ',') + 1;
   at = skip_blanks(at);
-  int length = (int)strcspn(at, ", \t\r\n"), shown = length < 40 ? length : 40;
+  int length = (int)strcspn(at, ",\r\n"), shown;
+  while (length > 0 && (at[length - 1] == ' ' || at[length - 1] == '\t')) length--;
+  shown = length < 40 ? length : 40;
   LINE_FAIL(f, err, "column %d is '%.*s%s', no whole number of at most %d digits", column, shown,
             at, shown < length ? "..." : "", CCD_DIGITS_MAX);
 }

@@ -83,6 +83,30 @@ static int an_impact_is_found_at_any_size_and_place(void)
   return 0;
 }
 
+// A vertex falls on a face, or beside it by a hundredth, in other units along each axis, one of
+// them so small that its squares are 0.
+static int an_impact_is_found_in_other_units_along_each_axis(void)
+{
+  const double fall[8][3] = {{.2, .2, 1},  {0, 0, 0}, {1, 0, 0}, {0, 1, 0},
+                             {.2, .2, -1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  for (int n = 0; n < 18; n++)
+    for (int precision = 0; precision < 3; precision++) {
+      double x[8][3];
+      for (int k = 0; k < 24; k++) x[k / 3][k % 3] = fall[k / 3][k % 3];
+      int aside = n % 2;
+      if (aside) x[0][0] = x[4][0] = -0.01;
+      for (int p = 0; p < 8; p++) {
+        x[p][n % 3] = ldexp(x[p][n % 3], n < 6 ? -600 : n < 12 ? -960 : 700);
+        if (n >= 6) x[p][(n + 1) % 3] = ldexp(x[p][(n + 1) % 3], -300);
+      }
+      cloth_impact_result r = cloth_impact_test(
+          CLOTH_IMPACT_VERTEX_FACE, (cloth_impact_precision)precision, (const double(*)[3])x);
+      CHECK(r.hit == !aside);
+      if (r.hit) CHECK(r.toi <= 0.5 && r.toi > 0.4999);
+    }
+  return 0;
+}
+
 // apart by less than float tells: float alone says contact, and double decides
 static int float_asks_again_where_it_cannot_tell(void)
 {
@@ -105,6 +129,7 @@ int main(int argc, char **argv)
   int failures = 0;
   RUN(constructed_contacts_are_neither_missed_nor_late);
   RUN(an_impact_is_found_at_any_size_and_place);
+  RUN(an_impact_is_found_in_other_units_along_each_axis);
   RUN(float_asks_again_where_it_cannot_tell);
   return failures != 0;
 }

@@ -1,7 +1,7 @@
-// Tests of kernels/physics/toi.h and toi_close.h. An answer may be early, never late. Oracles:
-// exact truth of the query sets of Wang et al. 2021 where ../shared/data (or $CLOTH_SHARED_DATA)
-// has them, and for random motion the roots of the cubic at which the four points share a plane, in
-// long double.
+// Tests of kernels/physics/toi.h, toi_close.h and toi_signs.h. An answer may be early, never late.
+// Oracles: exact truth of the query sets of Wang et al. 2021 where ../shared/data (or
+// $CLOTH_SHARED_DATA) has them, and for random motion the roots of the cubic at which the four
+// points share a plane, in long double.
 #include "check.h"
 #include "derivative.h"
 #include "toi.h"
@@ -118,6 +118,49 @@ static int near_misses_are_no_impacts_in_double(void)
   parallel.t0[0].y = parallel.t0[1].y = 0;
   parallel.t1[0].y = parallel.t1[1].y = 0;
   CHECK(find(&parallel, EDGE_EDGE, 0, 0) >= 0);
+  return 0;
+}
+
+// Edges that roll over a corner, or faces that turn about it, some 1e-9 away: planes come on in
+// steps that shrink for hundreds. Truth from exact arithmetic.
+static int what_turns_about_a_corner_is_told_from_what_meets_it_in_double(void)
+{
+  const double apart[][25] = {
+      {2, 0, 1, 1, 0, 1.000000001, -2, -2, 1, -2, 1, 1, -2, 0, 2, 1, 0, 0, -1, -1, 2, 2, 2, -1, 1},
+      {2, 2.00000001, 3, -3, 3, -4, 0, 2, -3, 3, 3, 0, -4, -1, 2, 1, 0, 4, -4, 3, 1, -3, -3, 2, 1},
+      {2, 1, 0, 0, 0, 0, 2, -1, 1, 2, -1, -1, -2, -2, 2, 1e-6, 1, -2, 2, 1, -1, 0, 1, 2, 2},
+      {1, -1, 2, -1, -2, -2, 1, 0, 0, 2, 2, 1, -2, 0, -1, 0, 0, 0, -1, 2, -1.99999999, 2, -1, 1, 0},
+  };
+  const struct {
+    double x[25], time;
+  } meet[] = {
+      {{2, 1e-9, 1, -2, 2, 0, -1, 2, 0, -2, 0, 1, -2, -2, 0, 0, 0, 1, 0, 1, 2, 2, 0, -1, 0},
+       0.46666666665215417},
+      {{2,  0, 2, -2, -1.999999999, 0, 1,  2, 1, -1, -2, -1, -1, 2, -1, 0,
+        -1, 0, 2, 0,  -1,           2, -1, 2, -2},
+       0.7015621196207685},
+      {{1, -2, 2.000000001, -1, -2, -1, 1, 1, -2, 1, -2, 2, 1,
+        1, 0,  -1,          -2, -1, 2,  2, 2, 2,  1, 0,  -2},
+       0.8017837260028543},
+  };
+  for (size_t k = 0; k < sizeof apart / sizeof apart[0]; k++) {
+    query q = make(apart[k] + 1);
+    CHECK(find(&q, (int)apart[k][0], 0, 0) < 0);
+  }
+  for (size_t k = 0; k < sizeof meet / sizeof meet[0]; k++) {
+    query q = make(meet[k].x + 1);
+    double toi = find(&q, (int)meet[k].x[0], 0, 0);
+    CHECK(toi <= meet[k].time && toi > meet[k].time - 1e-8);
+  }
+  // they would meet 3e-17 of a step after its end
+  query late = make((double[24]){
+      -0.14834694595047454,  1.0646565962424617,     0.2577329182719498,   0.6715528258332044,
+      0.6039042921745124,    -1.3528411322298288,    0.5789527703569186,   0.1081496142408418,
+      1.3979358473005945,    -0.0053420263905450405, 0.5016943525959408,   0.13163925023044443,
+      -0.054180994161880325, 0.13505678790771228,    0.47432267889881474,  0.03495874163836388,
+      -0.2197850300567319,   -0.8451036374843921,    -0.08389423942862839, 0.2533373938958603,
+      0.9141314510265504,    0.9009814153829809,     -0.05587055472851565, -0.5614663547699252});
+  CHECK(find(&late, VERTEX_FACE, 0, 0) < 0);
   return 0;
 }
 #endif
@@ -491,6 +534,7 @@ int main(int argc, char **argv)
   RUN(not_a_number_is_an_impact);
 #ifndef CLOTH_SINGLE_PRECISION
   RUN(near_misses_are_no_impacts_in_double);
+  RUN(what_turns_about_a_corner_is_told_from_what_meets_it_in_double);
 #endif
   RUN(random_impacts_are_neither_missed_nor_late);
   RUN(clearance_is_kept_until_the_impact);

@@ -168,6 +168,26 @@ static int small_types_are_read(void)
   return 0;
 }
 
+// some exporters write the same coordinates under several names
+static int the_first_texture_coordinates_of_a_ply_count(void)
+{
+  folder f = folder_make();
+  cloth_mesh_file m;
+  cloth_error err = {0};
+  const char *path = folder_write(
+      &f, "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty float s\nproperty float t\nproperty float u\nproperty float v\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "0 0 0 1 2 7 7\n1 0 0 3 4 7 7\n0 1 0 5 6 7 7\n3 0 1 2\n");
+  CHECK_OK(cloth_mesh_file_read(path, &m, &err), err);
+  CHECK(m.mesh.material != NULL);
+  for (int k = 0; k < 6; k++) CHECK(m.mesh.material[k] == k + 1);
+  cloth_mesh_file_free(&m);
+  folder_remove(&f);
+  return 0;
+}
+
 // ---- OBJ ----------------------------------------------------------------------------------------
 
 static cloth_status read_obj(const char *text, cloth_mesh_file *out, cloth_error *err)
@@ -198,6 +218,8 @@ static int every_way_to_write_a_face(void)
                                       "f 1/1 2/2 3/3",
                                       "f 1//1 2//1 3//1",
                                       "f 1/1/1 2/2/1 3/3/1",
+                                      "f 1/ 2/ 3/",
+                                      "f 1// 2// 3//",
                                       "f -4/-3/-1 -3/-2/-1 -2/-1/-1",
                                       "  f\t1   2 \\\n 3  # comment",
                                       "f 1 2 3\r",
@@ -212,7 +234,7 @@ static int every_way_to_write_a_face(void)
     CHECK_OK(read_obj(text, &m, &err), err);
     CHECK(m.mesh.vertex_count == 4 && m.mesh.triangle_count == 1);
     CHECK(memcmp(m.mesh.triangle, expected, sizeof expected) == 0);
-    bool has_vt = strchr(faces[i], '/') && !strstr(faces[i], "//");
+    bool has_vt = strchr(faces[i], '/') && !strstr(faces[i], "//") && !strstr(faces[i], "/ ");
     CHECK((m.mesh.material != NULL) == has_vt);
     if (has_vt)
       CHECK(m.mesh.material[2] == 1 && m.mesh.material[3] == 0 && m.mesh.material[5] == 1);
@@ -461,6 +483,7 @@ int main(int argc, char **argv)
   RUN(every_encoding_gives_the_same_mesh);
   RUN(truncated_files_are_refused);
   RUN(small_types_are_read);
+  RUN(the_first_texture_coordinates_of_a_ply_count);
   RUN(polygons_become_fans);
   RUN(every_way_to_write_a_face);
   RUN(groups_hold_the_vertices_of_their_faces);

@@ -196,6 +196,9 @@ def queries_are_counted_per_file_and_in_total(tmp):
         check(figures(r) == [3, 2, 1, 0, 0] and figures(r, "set/vertex-face/b.csv") == [1, 1, 1, 0, 0], r.stdout)
         r = cloth("ccd", "b.csv", "--type", "vf", "--precision", precision, cwd=tmp)
         check(r.returncode == 0 and figures(r) == [1, 0, 0, 1, 0], r.stdout, r.stderr)
+    write_bytes(tmp, "mark.csv", b"\xef\xbb\xbf" + rows(FALL, 1).encode())  # as spreadsheets write it
+    r = cloth("ccd", "mark.csv", "--type", "vf", cwd=tmp)
+    check(r.returncode == 0 and figures(r) == [1, 1, 0, 0, 0], r.stdout, r.stderr)
     # from inside the folder the path has no such word; where it is does
     r = cloth("ccd", "a.csv", cwd=os.path.join(tmp, "set/vertex-face"))
     check(r.returncode == 0, r.stderr)
@@ -299,6 +302,7 @@ def broken_query_files_are_refused_with_their_line(tmp):
     refused(tmp, file("six.csv", "\n".join(lines[:2] + ["1,1,1,1,1,1"] + lines[3:])), "six.csv:3", "6 columns")
     refused(tmp, file("eight.csv", good.replace("\n", ",5\n", 1)), "eight.csv:1", "8 columns")
     refused(tmp, file("word.csv", good.replace("1,4", "1,x", 1)), "word.csv:1", "column 2", "'x'")
+    refused(tmp, file("gap.csv", good.replace("1,4", "1,4 4", 1)), "gap.csv:1", "column 2", "'4 4'")
     refused(tmp, file("real.csv", good.replace("1,4", "1.5,4", 1)), "real.csv:1", "column 1", "1.5")
     refused(tmp, file("long.csv", good.replace("1,4", "1" * 1001 + ",4", 1)), "long.csv:1", "column 1", "1000 digits")
     refused(tmp, file("zero.csv", good.replace("1,4", "1,0", 1)), "zero.csv:1", "denominator")

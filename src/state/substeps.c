@@ -95,17 +95,38 @@ static double relative_motion(const cloth_sim *sim, const travel *t)
   return most;
 }
 
+// where rigid holds want their vertices at the end of the step, how far compliant ones go in it:
+// [held x 3] in sim->host
+static cloth_status aims_of_holds(cloth_sim *sim, cloth_error *err)
+{
+  size_t n = 3 * (size_t)sim->held_count;
+  CLOTH_TRY(cloth_staging(sim, 2 * n, err));
+  cloth_holds_place(sim, 1, sim->host);
+  if (sim->compliant_count == 0) return CLOTH_OK;
+  cloth_holds_place(sim, 0, sim->host + n);
+  for (int h = 0; h < sim->hold_count; h++) {
+    const cloth_hold_state *hold = &sim->hold[h];
+    cloth_real *aim = sim->host + 3 * hold->first;
+    for (int i = 0; hold->alive && !hold->rigid && i < 3 * hold->count; i++)
+      aim[i] -= aim[n + (size_t)i];
+  }
+  return CLOTH_OK;
+}
+
 // how far holds jerk their vertices in this step [m]; a smooth swing hardly does
 static cloth_status jerk_of_holds(cloth_sim *sim, double h, double *out, cloth_error *err)
 {
   *out = 0;
   if (sim->held_count == 0) return CLOTH_OK;
-  cloth_part *p = &sim->part[0];
-  CLOTH_TRY(cloth_holds_aim(sim, 1, err));
-  cloth_hold_jump_args a = {p->held, p->x_t0, p->v, (cloth_real)h, p->aim};
+  cloth_part *p = &sim->part[0]; // every part would find the same
+  size_t bytes = sizeof(cloth_real) * 3 * (size_t)sim->held_count;
+  CLOTH_TRY(aims_of_holds(sim, err));
+  CLOTH_TRY(sim->backend->write(p->device, p->aim, sim->host, bytes, err));
+  cloth_hold_jump_args a = {
+      p->held,       p->x_t0, p->v, p->mass, sim->compliant_count > 0 ? p->hold_stiffness : NULL,
+      (cloth_real)h, p->aim};
   CLOTH_LAUNCH(sim, p, hold_jump, sim->held_count, &a, err);
-  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->aim,
-                               sizeof(cloth_real) * 3 * (size_t)sim->held_count, err));
+  CLOTH_TRY(sim->backend->read(p->device, sim->host, p->aim, bytes, err));
   for (int i = 0; i < sim->held_count; i++) {
     double jump[3];
     for (int k = 0; k < 3; k++) jump[k] = (double)sim->host[3 * i + k];

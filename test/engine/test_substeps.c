@@ -1,5 +1,5 @@
 // Bodies cut a step by how far they move against the cloth near them, not by how far they move;
-// layers that would pass through each other in many places cut it too.
+// layers that would pass through each other in many places cut it too, and holds that jerk.
 #include "scene.h"
 #include "scene/folder.h"
 
@@ -148,11 +148,59 @@ static int thrown_where_cut(const char *precision)
 }
 BOTH(a_stack_is_not_thrown_up_when_a_step_is_cut, thrown_where_cut)
 
+// A sheet without weight, one side held, the other pulled at by springs of `stiffness` N/m whose ends
+// are `far` m below. *pulled: the most substeps while it swings to rest; *jerked: those of a step in
+// which the springs' ends go on by 0.1 m.
+static int cut_by_springs(const char *precision, double stiffness, double far, int *pulled,
+                          int *jerked)
+{
+  cloth_error err = {0};
+  sheet_make(&cloth, 0.12, 0.12, N, N);
+  cloth_def *def = def_new(precision);
+  def_set(def, "gravity", "0 0 0");
+  def_cloth(def, "sheet", &cloth, cloth_material_default(), pose_at(0, 0, 0));
+  cloth_scene *scene = scene_new(def);
+  int fixed[N], end[N];
+  for (int i = 0; i < N; i++) fixed[i] = i, end[i] = N * (N - 1) + i;
+  cloth_grasp_view hold = {.body = -1, .count = N, .vertex = fixed, .frame = pose_at(0, 0, 0)};
+  cloth_grasp_id id;
+  CHECK_OK(cloth_grasp(scene, &hold, &id, &err), err);
+  hold.vertex = end, hold.stiffness = stiffness;
+  CHECK_OK(cloth_grasp(scene, &hold, &id, &err), err);
+  cloth_pose to = pose_at(0, 0, -far);
+  CHECK_OK(cloth_grasp_move(scene, id, &to, &err), err);
+  scene_step(scene, 1);
+  *pulled = 1;
+  for (int i = 0; i < 60; i++) {
+    int substeps = scene_step(scene, 1).substeps;
+    *pulled = substeps > *pulled ? substeps : *pulled;
+  }
+  to = pose_at(0, 0, -far - 0.1);
+  CHECK_OK(cloth_grasp_move(scene, id, &to, &err), err);
+  *jerked = scene_step(scene, 1).substeps;
+  cloth_scene_free(scene);
+  return 0;
+}
+
+static int cut_by_stretched_springs(const char *precision)
+{
+  int pulled, jerked;
+  // 0.1 mN each, whatever the springs are stretched by, and ends that hardly matter
+  if (cut_by_springs(precision, 1e-5, 10, &pulled, &jerked)) return 1;
+  CHECK(pulled == 1 && jerked == 1);
+  // springs that take light vertices along
+  if (cut_by_springs(precision, 1e3, 0.001, &pulled, &jerked)) return 1;
+  CHECK(pulled == 1 && jerked == 13); // 0.1 m by 8 mm each
+  return 0;
+}
+BOTH(a_stretched_spring_cuts_no_step_and_one_that_jerks_does, cut_by_stretched_springs)
+
 int main(int argc, char **argv)
 {
   int failures = 0;
   RUN(a_body_cuts_the_step_by_its_motion_against_the_cloth);
   RUN(a_crowded_step_is_cut_and_the_next_begins_so);
   RUN(a_stack_is_not_thrown_up_when_a_step_is_cut);
+  RUN(a_stretched_spring_cuts_no_step_and_one_that_jerks_does);
   return failures > 0;
 }

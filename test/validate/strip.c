@@ -122,12 +122,14 @@ cloth_grasp_id strip_hold(const strip *s, cloth_scene *scene, int first, int las
 
 int strip_settle(cloth_scene *scene, double rest, int most)
 {
+  enum { CALM = 10 }; // steps: what swings has no speed at its turning points
   cloth_error err = {0};
-  for (int n = 1;; n++) {
+  for (int n = 1, calm = 0;; n++) {
     cloth_step_report r;
     // short steps at first: a start that is not quite at rest must not be flung about
     must(cloth_step(scene, n < 10 ? 0.005 * n : 0, &r, &err), &err);
-    if (n >= most || (n > 12 && r.energy_kinetic < rest)) return n;
+    calm = r.energy_kinetic < rest ? calm + 1 : 0;
+    if (n >= most || calm >= CALM) return n;
   }
 }
 

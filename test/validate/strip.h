@@ -35,7 +35,8 @@ cloth_scene *strip_scene(const strip *s, cloth_material material, const char *gr
 cloth_grasp_id strip_hold(const strip *s, cloth_scene *scene, int first, int last,
                           const cloth_grasp_view *how);
 
-/// Step until the kinetic energy is below `rest` [J] or `most` steps. Steps taken.
+/// Step until the kinetic energy has been below `rest` [J] for ten steps, at most `most` steps.
+/// Returns the steps taken.
 int strip_settle(cloth_scene *scene, double rest, int most);
 
 /// Mean of coordinate k over column c.

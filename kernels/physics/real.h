@@ -7,9 +7,12 @@
 
 #ifdef __CUDACC__
 #define CLOTH_FN static __host__ __device__ __forceinline__
+#define CLOTH_FN_RARE static __host__ __device__ __noinline__
 #else
-#define CLOTH_FN static inline
+#define CLOTH_FN      static inline
+#define CLOTH_FN_RARE static inline
 #endif
+// RARE: long and seldom called. One copy of it, or kernels grow and take minutes to compile.
 
 // a loop that a GPU's compiler leaves one, where its registers are needed for more threads
 #ifdef __CUDACC__

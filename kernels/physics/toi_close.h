@@ -132,7 +132,7 @@ CLOTH_FN int cloth_toi_close_idle(const cloth_toi_wide3 x[4], int split, int k, 
 
 // Steps of planes from *now on. Returns CLOTH_TOI_APART if they keep the features apart until the
 // end, CLOTH_TOI_MEET if none keeps them apart any longer, CLOTH_TOI_UNKNOWN if they still come on.
-CLOTH_FN int cloth_toi_close_search(const cloth_toi_close *m, cloth_toi_wide *now)
+CLOTH_FN_RARE int cloth_toi_close_search(const cloth_toi_close *m, cloth_toi_wide *now)
 {
   cloth_toi_wide3 x[4];
   for (int k = 0; k < CLOTH_TOI_CLOSE_STEPS; k++) {
@@ -155,8 +155,8 @@ CLOTH_FN int cloth_toi_close_search(const cloth_toi_close *m, cloth_toi_wide *no
 // Do the features, proved apart until *t, meet in [*t, 1]? 0 is a proof that they do not, for the
 // coordinates as given. If they do, *t is a time until which they are apart, no earlier than it
 // was.
-CLOTH_FN int cloth_toi_close_calls(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
-                                   double *t)
+CLOTH_FN_RARE int cloth_toi_close_calls(const cloth_v3 x_t0[4], const cloth_v3 x_t1[4], int split,
+                                        double *t)
 {
   cloth_toi_wide now = {*t, 0};
   cloth_toi_signs signs = cloth_toi_signs_make(x_t0, x_t1, split);

@@ -84,7 +84,7 @@ CLOTH_FN int cloth_toi_signs_of(const cloth_toi_wide *c, int count, double error
 
 // Do they meet in [from, to]? *blind: at `from` itself no sign can be told, so that no interval
 // with it ever tells.
-CLOTH_FN int cloth_toi_signs_look(const cloth_toi_signs *s, cloth_toi_wide from, cloth_toi_wide to,
+CLOTH_FN_RARE int cloth_toi_signs_look(const cloth_toi_signs *s, cloth_toi_wide from, cloth_toi_wide to,
                                   int *blind)
 {
   cloth_toi_wide3 ends[3][2], n[3], a[3], b[3];
@@ -130,7 +130,7 @@ CLOTH_FN int cloth_toi_signs_cross(const cloth_toi_signs *s, cloth_toi_wide now)
 }
 
 // Do the features, apart until *now, meet in [*now, 1]? *now is raised to what is proved.
-CLOTH_FN int cloth_toi_signs_search(const cloth_toi_signs *s, cloth_toi_wide *now)
+CLOTH_FN_RARE int cloth_toi_signs_search(const cloth_toi_signs *s, cloth_toi_wide *now)
 {
   double step = CLOTH_TOI_SIGNS_SHORT;
   for (int k = 0; k < CLOTH_TOI_SIGNS_INTERVALS; k++) {

@@ -2,7 +2,6 @@
 
 #include <stdint.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum { LEAF_SIZE = 4, TASK_SIZE = 8192 };
 

@@ -2,13 +2,10 @@
 // calls are held to the same rules.
 #include "scene/def.h"
 
-#include "nearest.h"
 #include "scene/file.h"
 #include "scene/mesh.h"
-#include "scene/number.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 // Procedural sheets.
 #include "scene/mesh.h"
 
-#include <math.h>
 #include <stdint.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
 // order of cloth_mesh_check() at the end; a dropped triangle is marked and leaves in compact().
 #include "scene/mesh.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

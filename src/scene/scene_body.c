@@ -2,7 +2,6 @@
 #include "scene/scene_file.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { SEGMENTS = 32 };
 

@@ -57,14 +57,21 @@ static cloth_status check_accuracy(const cloth_params *p, cloth_error *err)
   return CLOTH_OK;
 }
 
+// A message about a scene begins with its file, where it has one.
+static cloth_status bad_scene(const cloth_def *def, cloth_status status, const char *what,
+                              cloth_error *err)
+{
+  if (def->path == NULL) CLOTH_FAIL(err, status, "%s", what);
+  CLOTH_FAIL(err, status, "%s: %s", def->path, what);
+}
+
 static cloth_status check(const cloth_def *def, cloth_error *err)
 {
   if (def == NULL) CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT, "no description");
   CLOTH_TRY(cloth_params_check(&def->params, err));
   CLOTH_TRY(check_accuracy(&def->params, err));
   if (def->cloth_count == 0)
-    CLOTH_FAIL(err, CLOTH_BAD_SCENE, "%s%sthe scene has no cloth: nothing to simulate",
-               def->path ? def->path : "", def->path ? ": " : "");
+    return bad_scene(def, CLOTH_BAD_SCENE, "the scene has no cloth: nothing to simulate", err);
   for (int c = 0; c < def->cloth_count; c++)
     CLOTH_TRY(cloth_material_check(&def->cloth[c].material, err));
   return CLOTH_OK;
@@ -76,10 +83,9 @@ static cloth_status check_edges(const cloth_scene *s, cloth_error *err)
   bool is_float = strcmp(d->precision, "float") == 0;
   for (int c = 0; c < d->cloth_count; c++) {
     cloth_error cause = {0};
-    cloth_status status = cloth_mesh_check_edges(d->cloth[c].name, is_float, &d->cloth[c].mesh,
-                                                 s->rest[c], &cause);
-    if (status != CLOTH_OK)
-      CLOTH_FAIL(err, status, "%s%s%s", d->path ? d->path : "", d->path ? ": " : "", cause.text);
+    cloth_status status =
+        cloth_mesh_check_edges(d->cloth[c].name, is_float, &d->cloth[c].mesh, s->rest[c], &cause);
+    if (status != CLOTH_OK) return bad_scene(d, status, cause.text, err);
   }
   return CLOTH_OK;
 }

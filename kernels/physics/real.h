@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #ifdef __CUDACC__
-#define CLOTH_FN static __host__ __device__ __forceinline__
+#define CLOTH_FN      static __host__ __device__ __forceinline__
 #define CLOTH_FN_RARE static __host__ __device__ __noinline__
 #else
 #define CLOTH_FN      static inline

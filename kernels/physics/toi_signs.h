@@ -84,8 +84,8 @@ CLOTH_FN int cloth_toi_signs_of(const cloth_toi_wide *c, int count, double error
 
 // Do they meet in [from, to]? *blind: at `from` itself no sign can be told, so that no interval
 // with it ever tells.
-CLOTH_FN_RARE int cloth_toi_signs_look(const cloth_toi_signs *s, cloth_toi_wide from, cloth_toi_wide to,
-                                  int *blind)
+CLOTH_FN_RARE int cloth_toi_signs_look(const cloth_toi_signs *s, cloth_toi_wide from,
+                                       cloth_toi_wide to, int *blind)
 {
   cloth_toi_wide3 ends[3][2], n[3], a[3], b[3];
   cloth_toi_wide f[4], w[4][5];

@@ -59,7 +59,7 @@ cloth_status cloth_ghosts_build(cloth_sim *sim, cloth_error *err)
   first[0] = 0;
   for (int i = 0; i < chunks; i++)
     first[i + 1] = first[i] + list_chunk(sim, i, seen, list + first[i]);
-  sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
+  sim->owner = cloth_contact_owner(sim);
   for (int p = 0; p < sim->part_count && status == CLOTH_OK; p++)
     status = take(sim, &sim->part[p], first, list, err);
   sim->owner = CLOTH_CORE;

@@ -102,13 +102,13 @@ static cloth_status find_frozen(cloth_sim *sim, double share, cloth_error *err)
 cloth_status cloth_tangles_find(cloth_sim *sim, double share, cloth_error *err)
 {
   cloth_tangle_list *t = &sim->tangles;
-  bool self = sim->active[CLOTH_EFFECT_self_contact], body = sim->active[CLOTH_EFFECT_body_contact];
   t->count = 0;
-  if (!self && !body) return CLOTH_OK;
+  if (!sim->active[CLOTH_EFFECT_self_contact] && !sim->active[CLOTH_EFFECT_body_contact])
+    return CLOTH_OK;
   double h = sim->h;
   sim->h = 0;
   sim->pairs_valid = false; // the candidates of the simulation are overwritten: it searches again
-  sim->owner = self ? CLOTH_EFFECT_self_contact : CLOTH_EFFECT_body_contact;
+  sim->owner = cloth_contact_owner(sim);
   cloth_status status = find_frozen(sim, share, err);
   sim->owner = CLOTH_CORE;
   sim->h = h;
@@ -121,8 +121,7 @@ cloth_status cloth_tangles_find(cloth_sim *sim, double share, cloth_error *err)
 cloth_status cloth_tangles_mark(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   size_t bytes = sizeof *sim->tangles.mark * (size_t)sim->vertex_count;
-  sim->owner = sim->active[CLOTH_EFFECT_self_contact] ? CLOTH_EFFECT_self_contact
-                                                      : CLOTH_EFFECT_body_contact;
+  sim->owner = cloth_contact_owner(sim);
   if (p->stray == NULL) CLOTH_TRY(cloth_take(sim, p, "stray", bytes, &p->stray, err));
   CLOTH_TRY(sim->backend->write(p->device, p->stray, sim->tangles.mark, bytes, err));
   sim->owner = CLOTH_CORE;

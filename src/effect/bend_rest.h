@@ -30,8 +30,8 @@ void cloth_bend_strain(const double n[2], double out[3]);
 /// Places of a triangle's corners, (warp, weft) [m] from the first.
 void cloth_bend_corners(const cloth_sim *sim, int triangle, double p[3][2]);
 
-/// [count x 3 x 3] by what a patch's curvatures are to be multiplied (bend_even.c); to be freed, NULL
-/// without memory. Of `rest` it reads `vertex` and `direction`.
+/// [count x 3 x 3] by what a patch's curvatures are to be multiplied (bend_even.c); to be freed,
+/// NULL without memory. Of `rest` it reads `vertex` and `direction`.
 double *cloth_bend_even(const cloth_sim *sim, const cloth_bend_rest *rest);
 
 /// NULL is allowed.

@@ -40,22 +40,33 @@ void Simulation::follow()
   warnTangles();
 }
 
+// What intersects now. What cannot be looked at is told, and counts as nothing.
+std::vector<cloth_tangle_view> Simulation::tangles()
+{
+  std::vector<cloth_tangle_view> pair(100);
+  for (;;) {
+    int count = 0;
+    cloth_error err = {};
+    if (cloth_tangles(scene(), pair.data(), static_cast<int>(pair.size()), &count, &err) !=
+        CLOTH_OK) {
+      ROS_ERROR_STREAM("intersecting triangles: " << err.text);
+      return {};
+    }
+    const bool all = static_cast<size_t>(count) <= pair.size();
+    pair.resize(static_cast<size_t>(count));
+    if (all) return pair;
+  }
+}
+
 // what intersects before the first step, pair by pair
 void Simulation::warnTangles()
 {
-  std::vector<cloth_tangle_view> pair(10);
-  int count = 0;
-  cloth_error err = {};
-  if (cloth_tangles(scene(), pair.data(), static_cast<int>(pair.size()), &count, &err) !=
-      CLOTH_OK) {
-    ROS_ERROR_STREAM("intersecting triangles: " << err.text);
-    return;
-  }
-  if (count == 0) return;
-  ROS_WARN_STREAM("the start intersects: " << count << " pairs of triangles; set untangle: true to "
-                                           << "have them worked out");
-  for (int i = 0; i < std::min(count, static_cast<int>(pair.size())); i++) {
-    const cloth_tangle_view &p = pair[static_cast<size_t>(i)];
+  const std::vector<cloth_tangle_view> pair = tangles();
+  if (pair.empty()) return;
+  ROS_WARN_STREAM("the start intersects: " << pair.size() << " pairs of triangles; set untangle: "
+                                           << "true to have them worked out");
+  for (size_t i = 0; i < std::min<size_t>(pair.size(), 10); i++) {
+    const cloth_tangle_view &p = pair[i];
     const bool body = p.other_body >= 0;
     ROS_WARN_STREAM("  cloth " << cloth_name(scene(), p.cloth) << " triangle " << p.triangle << ", "
                                << (body ? "body " : "cloth ")
@@ -65,23 +76,21 @@ void Simulation::warnTangles()
   }
 }
 
-// A robot that is placed, not moved, may be placed into the cloth.
+// A robot that is placed, not moved, may be placed into the cloth. The cloth then slides out of it
+// over the next steps, whatever `untangle` says (cloth_body_place).
 void Simulation::tellPlacedInto()
 {
-  std::vector<cloth_tangle_view> pair(1000);
-  int count = 0;
-  if (cloth_tangles(scene(), pair.data(), static_cast<int>(pair.size()), &count, nullptr) !=
-      CLOTH_OK)
-    return;
-  pair.resize(std::min(pair.size(), static_cast<size_t>(count)));
   std::set<std::string> links;
-  for (const cloth_tangle_view &p : pair)
-    if (p.other_body >= 0 && world_->linkOfBody(p.other_body) >= 0)
-      links.insert(cloth_body_name(scene(), p.other_body));
+  int count = 0;
+  for (const cloth_tangle_view &p : tangles()) {
+    if (p.other_body < 0 || world_->linkOfBody(p.other_body) < 0) continue;
+    links.insert(cloth_body_name(scene(), p.other_body));
+    count++;
+  }
   if (links.empty()) return;
   std::string text = "placed into the cloth, " + std::to_string(count) + " pairs of triangles:";
   for (const std::string &link : links) text += " " + link;
-  event("teleport", world_->robot->name(), text + "; set untangle: true to have them worked out");
+  event("teleport", world_->robot->name(), text + "; they are worked out over the next steps");
 }
 
 std::vector<std::string> Simulation::blockingNames() const

@@ -94,6 +94,7 @@ private:
   void readCloths(const Outputs::Wanted &wanted, Snapshot *s);
   void readContacts(Snapshot *s);
   void crossCheck(double margin);
+  std::vector<cloth_tangle_view> tangles();
   void warnTangles();
   void tellPlacedInto();
   std::vector<std::string> blockingNames() const;

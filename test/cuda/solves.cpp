@@ -47,11 +47,11 @@ static unsigned cloth_count_of(const unsigned *at)
 }
 static unsigned cloth_count_of_far(const unsigned *at) { return cloth_count_of(at); }
 
+#include "barrier.cuh"
 #include "device.h"
 #include "group_sums.cuh"
 #include "launch.h"
 #include "pcg_part.h"
-#include "barrier.cuh"
 
 #define cloth_nanoseconds in_ptx
 #include "stopwatch.cuh"
@@ -101,7 +101,7 @@ std::atomic<unsigned> emulated_cluster::arrived;
 thread_local unsigned emulated_cluster::passed;
 
 #define cloth_cluster_barrier emulated_cluster
-#define memory                 memory_of_kernel // extern in a function there
+#define memory                memory_of_kernel // extern in a function there
 #undef __shared__
 #define __shared__ thread_local
 namespace small {

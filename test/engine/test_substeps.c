@@ -148,9 +148,9 @@ static int thrown_where_cut(const char *precision)
 }
 BOTH(a_stack_is_not_thrown_up_when_a_step_is_cut, thrown_where_cut)
 
-// A sheet without weight, one side held, the other pulled at by springs of `stiffness` N/m whose ends
-// are `far` m below. *pulled: the most substeps while it swings to rest; *jerked: those of a step in
-// which the springs' ends go on by 0.1 m.
+// A sheet without weight, one side held, the other pulled at by springs of `stiffness` N/m whose
+// ends are `far` m below. *pulled: the most substeps while it swings to rest; *jerked: those of a
+// step in which the springs' ends go on by 0.1 m.
 static int cut_by_springs(const char *precision, double stiffness, double far, int *pulled,
                           int *jerked)
 {

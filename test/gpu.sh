@@ -35,8 +35,10 @@ if command -v compute-sanitizer >/dev/null; then
     run $tool compute-sanitizer --error-exitcode 9 --tool $tool "$build/cloth" run "$scene" --steps 16 --backend cuda \
       --set preconditioner=multilevel
   done
-  run racecheck compute-sanitizer --error-exitcode 9 --tool racecheck "$build/cloth" run "$scene" --steps 6 --backend cuda \
-    --set preconditioner=multilevel
+  # a race detector takes minutes for a thousand vertices
+  limit=900
+  run racecheck compute-sanitizer --error-exitcode 9 --tool racecheck "$build/cloth" run \
+    "$here/scenes/two_small_towels.yaml" --steps 1 --backend cuda
 else
   echo "skip compute-sanitizer: not found"
 fi

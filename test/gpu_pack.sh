@@ -29,13 +29,22 @@ done
 mkdir -p "$out/test/bench" "$out/config"
 cp "$root/test/gpu.sh" "$out/test/" && cp -r "$root/test/bench/scale.py" "$root/test/bench/scenes" "$out/test/bench/"
 cp -r "$root/config/scenes" "$root/config/materials" "$root/config/meshes" "$out/config/"
+mkdir -p "$out/test/scenes" && cp "$root/test/scenes/two_small_towels.yaml" "$out/test/scenes/"
 
 # libraries that are nowhere else over there; those of the C and C++ compiler are any host's
+any_host() {
+  case $1 in libc.so* | libm.so* | libdl.so* | librt.so* | libpthread.so* | libresolv.so* | libstdc++.so* | libgcc_s.so* | ld-linux*) return 0 ;; esac
+  return 1
+}
 have=" $(cd "$runtime" && find . -name '*.so*' -printf '%f ') $(cd "$out/install/lib" && find . -name '*.so*' -printf '%f ') "
 for file in "$out"/install/lib/robot_cloth/cloth_node "$out"/install/lib/*.so "$out"/programs/test/*; do
   ldd "$file" | awk '$3 ~ "^/" { print $1, $3 }'
 done | sort -u | while read -r name path; do
-  case $name in libc.so* | libm.so* | libdl.so* | librt.so* | libpthread.so* | libresolv.so* | libstdc++.so* | libgcc_s.so* | ld-linux*) continue ;; esac
-  case $have in *" $name "*) ;; *) cp -L "$path" "$out/install/lib/$name" ;; esac
+  any_host "$name" || case $have in *" $name "*) ;; *) cp -L "$path" "$out/install/lib/$name" ;; esac
 done
+# the command and the tests run without the runtime's environment
+for file in "$out"/programs/cloth "$out"/programs/libcloth*.so "$out"/programs/test/*; do ldd "$file" | awk '$3 ~ "^/" { print $1, $3 }'; done | sort -u |
+  while read -r name path; do
+    any_host "$name" || [ -e "$out/programs/$name" ] || cp -L "$path" "$out/programs/$name"
+  done
 du -sh "$out"

@@ -14,13 +14,13 @@
 #include <stddef.h>
 #include <string.h>
 
-static cloth_spring_frame frame_of(const cloth_sim *sim, double h)
+static cloth_status frame_of(const cloth_sim *sim, double h, cloth_spring_frame *f,
+                             cloth_error *err)
 {
-  cloth_spring_frame f = {.h = h, .step = fmin(sim->springs.step, h)};
-  f.count = (int)ceil(h / f.step - 1e-9);
-  if (f.count < 1) f.count = 1;
-  if (sim->params.spring_cut == 0) f.step = h / f.count;
-  return f;
+  *f = (cloth_spring_frame){.h = h, .step = fmin(sim->springs.step, h)};
+  CLOTH_TRY(cloth_spring_sub_steps(sim, h, &f->count, err));
+  if (sim->params.spring_cut == 0) f->step = h / f->count;
+  return CLOTH_OK;
 }
 
 // ---- a block of sub-steps -----------------------------------------------------------------------
@@ -313,8 +313,9 @@ static void commit(cloth_sim *sim, double h, const totals *t, bool *good)
 
 cloth_status cloth_springs_advance(cloth_sim *sim, double h, bool *good, cloth_error *err)
 {
-  cloth_spring_frame f = frame_of(sim, h);
+  cloth_spring_frame f;
   totals t;
+  CLOTH_TRY(frame_of(sim, h, &f, err));
   sim->owner = CLOTH_EFFECT_pins;
   CLOTH_TRY(cloth_spring_holds_write(sim, err));
   sim->owner = CLOTH_CORE;

@@ -12,6 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+enum { SUB_STEPS_MOST = 1000000 }; // in a step: beyond, it is no use to wait for its end
+
 #define AUTOMATIC_STEP   0.9 // of the limit
 #define AUTOMATIC_RADIUS 0.4 // of the mean edge
 // a particle of the densest packing has 12 neighbours: along a direction the squared cosines of
@@ -91,6 +93,25 @@ static cloth_status choose_step(cloth_sim *sim, cloth_error *err)
                s->step, s->limit, sim->order[v], c->name, sim->mass[v], s->stiffness[v],
                s->damping[v]);
   }
+  int count;
+  return cloth_spring_sub_steps(sim, sim->params.time_step, &count, err);
+}
+
+cloth_status cloth_spring_sub_steps(const cloth_sim *sim, double h, int *count, cloth_error *err)
+{
+  const cloth_springs *s = &sim->springs;
+  double n = ceil(h / fmin(s->step, h) - 1e-9);
+  if (!(n <= SUB_STEPS_MOST)) {
+    int v = s->limited_by;
+    CLOTH_FAIL(err, CLOTH_BAD_ARGUMENT,
+               "a step of %g s needs %.3g sub-steps of %.3g s, and at most %d are taken: vertex %d "
+               "of cloth %s has %.4g kg, springs of %.4g N/m and %.4g N s/m; take softer or less "
+               "damped material, or a coarser mesh",
+               h, n, s->step, SUB_STEPS_MOST, sim->order[v],
+               sim->def->cloth[cloth_of_vertex(sim, v)].name, sim->mass[v], s->stiffness[v],
+               s->damping[v]);
+  }
+  *count = n < 1 ? 1 : (int)n;
   return CLOTH_OK;
 }
 

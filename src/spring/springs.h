@@ -68,9 +68,13 @@ struct cloth_part;
 
 /// The springs of the scene, the radius of its particles and its step limit, before any part is
 /// built. CLOTH_UNSUPPORTED: a body that is a mesh; CLOTH_BAD_ARGUMENT: spring_step above the
-/// limit.
+/// limit, or a time_step of too many sub-steps.
 cloth_status cloth_springs_make(struct cloth_sim *sim, cloth_error *err);
 void cloth_springs_free(cloth_springs *s);
+
+/// How many sub-steps a step of h [s] takes. CLOTH_BAD_ARGUMENT: too many to wait for.
+cloth_status cloth_spring_sub_steps(const struct cloth_sim *sim, double h, int *count,
+                                    cloth_error *err);
 
 /// Largest stable sub-step [s] for a row of the system with `held` [N/m] more stiffness.
 double cloth_spring_limit(const struct cloth_sim *sim, int vertex, double held);

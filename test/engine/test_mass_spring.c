@@ -552,6 +552,35 @@ BOTH(a_hold_on_a_spring_carries_the_weight_and_is_refused_when_too_stiff, pulled
 
 // ---- what is refused ----------------------------------------------------------------------------
 
+// damped so much that the stable sub-step is some nanoseconds
+static int too_many_sub_steps(void)
+{
+  cloth_error err = {0};
+  cloth_scene *scene = NULL;
+  cloth_step_report report;
+  cloth_material m = cloth_material_default();
+  m.damping_stretch = 10;
+  sheet_make(&cloth, 0.2, 0.2, 11, 11);
+  cloth_def *def = spring_def("double");
+  def_set(def, "spring_step", "0"), def_set(def, "time_step", "0.1");
+  def_cloth(def, "towel", &cloth, m, pose_at(0, 0, 0));
+  CHECK(cloth_scene_new(def, &scene, &err) == CLOTH_BAD_ARGUMENT);
+  CHECK(strstr(err.text, "a step of 0.1 s needs") && strstr(err.text, "at most 1000000"));
+  CHECK(strstr(err.text, "of cloth towel has"));
+  def_set(def, "time_step", "0.0002"); // a shorter step has fewer
+  err = (cloth_error){0};
+  CHECK_OK(cloth_scene_new(def, &scene, &err), err);
+  uint64_t before, after;
+  CHECK_OK(cloth_state_hash(scene, &before, &err), err);
+  CHECK(cloth_step(scene, 0.1, &report, &err) == CLOTH_BAD_ARGUMENT);
+  CHECK(strstr(err.text, "a step of 0.1 s needs"));
+  CHECK_OK(cloth_state_hash(scene, &after, &err), err);
+  CHECK(after == before);
+  cloth_scene_free(scene);
+  cloth_def_free(def);
+  return 0;
+}
+
 static int refusals(void)
 {
   cloth_error err = {0};
@@ -625,6 +654,7 @@ int main(int argc, char **argv)
   RUN(held_particles_are_exactly_where_they_are_held);
   RUN(a_hold_on_a_spring_carries_the_weight_and_is_refused_when_too_stiff);
   RUN(refusals);
+  RUN(too_many_sub_steps);
   RUN(leaving_the_bounds_is_undone);
   return failures > 0;
 }

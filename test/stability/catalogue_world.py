@@ -149,6 +149,15 @@ add('particles_too_long_a_step',
              refused=('spring_step', ))
     ],
     particles=True)
+add('particles_too_many_sub_steps',
+    'damping that asks for a sub-step of a nanosecond: a step would take hours',
+    'refused by name', (math.inf, 'refused'), [
+        Case('damping 10 s',
+             scene([sheet()], material={'damping_stretch': 10}, integrator='mass_spring', spring_step=0), 0.5,
+             refused=('at most 1000000', 'sub-steps'))
+    ],
+    particles=True,
+    quick=True)
 
 EFFECTS = ('gravity', 'membrane', 'bending', 'damping', 'air', 'pins', 'self_contact', 'body_contact', 'friction')
 

@@ -12,6 +12,7 @@ class Case:
     written    about how many steps are written and checked
     energy     (J, why) instead of the entry's
     refused    words of the message with which the run must end instead of going through
+    may_refuse  words of a message with which it may
     tells      fields of the report that must not be zero over the whole run
     also       function of the run: [(sentence, holds, figures)]
     """
@@ -25,12 +26,14 @@ class Case:
                  written=25,
                  energy=None,
                  refused=(),
+                 may_refuse=(),
                  tells=(),
                  also=None,
                  precisions=('double', 'float')):
         self.label, self.scene, self.seconds, self.files = label, scene, seconds, files or {}
         self.options, self.written, self.energy = list(options), written, energy
-        self.refused, self.tells, self.also, self.precisions = refused, tells, also, precisions
+        self.refused, self.may_refuse = refused, may_refuse
+        self.tells, self.also, self.precisions = tells, also, precisions
 
 
 class Entry:

@@ -124,7 +124,7 @@ class Verdicts:
 
 
 def judge_refusal(say, case, run):
-    say('it_is_refused', run.code in (1, 2) and all(word in run.message for word in case.refused),
+    say('it_is_refused', run.code in (1, 2) and all(word in run.message for word in case.refused or case.may_refuse),
         'exit code %d: %s' % (run.code, run.message[-300:]))
 
 
@@ -162,7 +162,7 @@ def judge(entry, case, run, cloth):
     """Verdicts of one run."""
     verdicts = Verdicts(entry.open)
     say = verdicts.say
-    if case.refused:
+    if case.refused or case.may_refuse and all(word in run.message for word in case.may_refuse):
         judge_refusal(say, case, run)
     else:
         say('every_step_ends', run.code == 0 and len(run.rows) == run.steps,

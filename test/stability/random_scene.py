@@ -136,6 +136,7 @@ def entry_of(seed):
                 scene(sheets, solids, fabric, **params),
                 step * steps,
                 written=12,
+                may_refuse=('at most 1000000', 'sub-steps') if particles else (),
                 precisions=(r.choice(['float', 'double']), ))
     pins = [pin for cloth in sheets for pin in cloth.get('pins', ())]
     driven = any('motion' in x for x in solids + pins)

@@ -48,6 +48,12 @@ CLOTH_FN int cloth_box_near(cloth_box a, cloth_box b, cloth_real gap)
          b.lo.y <= a.hi.y + gap && a.lo.z <= b.hi.z + gap && b.lo.z <= a.hi.z + gap;
 }
 
+CLOTH_FN int cloth_box_holds(cloth_box b, cloth_v3 p)
+{
+  return p.x >= b.lo.x && p.x <= b.hi.x && p.y >= b.lo.y && p.y <= b.hi.y && p.z >= b.lo.z &&
+         p.z <= b.hi.z;
+}
+
 /// The box of a vertex that moves from a to b.
 CLOTH_FN cloth_box cloth_box_swept(cloth_v3 a, cloth_v3 b, cloth_real inflate)
 {

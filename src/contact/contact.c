@@ -22,10 +22,15 @@
 #define UNTANGLE_SPEED 0.15 // m/s, at which an intersection is worked out, and at most this
 #define UNTANGLE_SHARE 0.6  // share of the thickness in a substep
 
-cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *p)
+double cloth_contact_reach(const cloth_sim *sim)
 {
   const double *g = sim->params.gravity;
   double fall = sim->h * sim->h * sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  return fmin(fall, sim->params.thickness);
+}
+
+cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *p)
+{
   cloth_contact_scene s = {
       .cloth_vertices = sim->vertex_count,
       .triangle = p->triangle,
@@ -48,7 +53,7 @@ cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_par
       .carrier = sim->zones.carried ? p->carrier : NULL,
       .bodies = sim->def->body_count,
       .thickness = (cloth_real)sim->params.thickness,
-      .reach = (cloth_real)fmin(fall, sim->params.thickness),
+      .reach = (cloth_real)cloth_contact_reach(sim),
       .friction = (cloth_real)sim->params.friction,
       .stray = sim->tangles.count > 0 ? p->stray : NULL,
       .let_cloth = cloth_untangles(sim, 0),

@@ -7,6 +7,10 @@
 enum { CLOTH_DISCRETE = 1 }; // of the parameter contact_detection
 
 /// What the contact and impact kernels need to know of a part.
+/// How far free flight may end from the predicted end of the substep, m: pairs are searched up to the
+/// thickness and this, so that which of them touch does not depend on when they were searched.
+double cloth_contact_reach(const cloth_sim *sim);
+
 cloth_contact_scene cloth_contact_scene_of(const cloth_sim *sim, const cloth_part *part);
 
 /// Stiffness of a contact in units of vertex mass / substep^2: the parameter's, of a whole step.

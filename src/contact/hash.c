@@ -33,7 +33,8 @@ typedef struct hash {
 // ---- regions -----------------------------------------------------------------------------------
 
 // of all vertices, and of the triangles of bodies; those of cloth come when ghosts are known
-static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, cloth_error *err)
+static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, bool levels,
+                               cloth_error *err)
 {
   cloth_vertex_box_args v = {0,
                              p->x_t0,
@@ -41,6 +42,8 @@ static cloth_status make_boxes(cloth_sim *sim, cloth_part *p, double slack, clot
                              sim->h > 0 ? p->v : NULL,
                              (cloth_real)sim->h,
                              (cloth_real)slack,
+                             levels ? p->vertex_level : NULL,
+                             sim->region_lost,
                              p->vertex_box};
   cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, NULL, p->triangle_box};
   CLOTH_LAUNCH(sim, p, vertex_box, sim->vertex_count, &v, err);
@@ -237,7 +240,7 @@ static cloth_status begin(cloth_sim *sim, cloth_part *p, hash *h, cloth_pairs_wa
   int near;
   CLOTH_TRY(cloth_near_list(sim, p, &near, err));
   h->active = sim->triangle_count + near;
-  CLOTH_TRY(make_boxes(sim, p, h->slack, err));
+  CLOTH_TRY(make_boxes(sim, p, h->slack, wanted == CLOTH_PAIRS_FEATURES, err));
   CLOTH_TRY(count_cells(sim, p, h, err));
   h->mesh = mesh_of(sim, p, h->gap, wanted);
   return CLOTH_OK;

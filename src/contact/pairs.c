@@ -4,10 +4,12 @@
 #include "contact/pairs.h"
 
 #include "contact/close.h"
+#include "contact/contact.h"
 #include "contact/count.h"
 #include "contact/flat.h"
 #include "contact/near.h"
 #include "contact/watch.h"
+#include "vertex_box.h"
 #include "vertex_escape.h"
 
 // ---- is a search due? ---------------------------------------------------------------------------
@@ -16,9 +18,18 @@
 // that of watched ones
 enum { VERTICES = 1, SQUARES = 2, GUESS = 4, WATCH = 8 };
 
+enum { FEW = 16 }; // where less than this share of the vertices escaped, their regions are enlarged
+
+// what was asked about and lost
+typedef struct lost {
+  uint32_t vertices, strayed, squares;
+} lost;
+
 // Each part looks at its own vertices, and at the squares that it judges.
 static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth_error *err)
 {
+  cloth_real slack =
+      (cloth_real)sim->params.pair_slack; // half of what bodies near keep (predict.c)
   CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_ESCAPED, err));
   cloth_vertex_escape_args a = {.first = p->v0,
                                 .x_t0 = p->x_t0,
@@ -26,6 +37,8 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
                                 .box = p->vertex_box,
                                 .guess = what & GUESS ? p->x_guess : NULL,
                                 .cloth_vertices = sim->vertex_count,
+                                .room =
+                                    cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, slack),
                                 .stray = (cloth_real)cloth_close_stray(sim),
                                 .count = cloth_counter(p, CLOTH_COUNT_ESCAPED)};
   int b = -1, bodies = sim->def->body_count, vertices;
@@ -40,31 +53,38 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
   }
   if (what & WATCH)
     CLOTH_TRY(cloth_watch_count(sim, p, cloth_counter(p, CLOTH_COUNT_ESCAPED) + 1, err));
-  return what & SQUARES ? cloth_flat_check(sim, p, cloth_counter(p, CLOTH_COUNT_ESCAPED), err)
+  return what & SQUARES ? cloth_flat_check(sim, p, cloth_counter(p, CLOTH_COUNT_ESCAPED) + 2, err)
                         : CLOTH_OK;
 }
 
-// *strayed: the list of GUESS or WATCH is lost
-static cloth_status escaped_any(cloth_sim *sim, int what, bool *escaped, bool *strayed,
-                                cloth_error *err)
+// A vertex is counted by the part that owns it, so the vertices are the same for any parts.
+static cloth_status count_lost(cloth_sim *sim, int what, lost *out, cloth_error *err)
 {
-  *escaped = *strayed = false;
+  *out = (lost){0, 0, 0};
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(count_escaped(sim, &sim->part[i], what, err));
-  for (int i = 0; i < sim->part_count && !*escaped; i++) {
-    cloth_part *p = &sim->part[i];
-    uint32_t count[2] = {0, 0};
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_ESCAPED, count, err));
-    *escaped = count[0] > 0, *strayed = *strayed || count[1] > 0;
+  for (int i = 0; i < sim->part_count; i++) {
+    uint32_t count[3] = {0, 0, 0};
+    CLOTH_TRY(cloth_count_read(sim, &sim->part[i], CLOTH_COUNT_ESCAPED, count, err));
+    out->vertices += count[0], out->strayed += count[1], out->squares += count[2];
   }
   return CLOTH_OK;
 }
 
+static cloth_region_lost who_left(const cloth_sim *sim, uint32_t vertices)
+{
+  if (vertices == 0) return CLOTH_REGION_LOST_NONE;
+  return FEW * (int64_t)vertices < sim->vertex_count ? CLOTH_REGION_LOST_FEW
+                                                     : CLOTH_REGION_LOST_MANY;
+}
+
 cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
 {
-  bool strayed;
+  lost l;
   int what = VERTICES | SQUARES | (sim->close_known ? GUESS : 0);
-  CLOTH_TRY(escaped_any(sim, what, escaped, &strayed, err));
-  sim->close_covers = sim->close_known && !*escaped && !strayed;
+  CLOTH_TRY(count_lost(sim, what, &l, err));
+  *escaped = l.vertices > 0 || l.squares > 0;
+  sim->region_lost = who_left(sim, l.vertices);
+  sim->close_covers = sim->close_known && !*escaped && l.strayed == 0;
   return CLOTH_OK;
 }
 
@@ -78,14 +98,16 @@ static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error
   cloth_watch_forget(sim);
   CLOTH_TRY(
       cloth_pairs_of_parts(sim, sim->part, sim->part_count, gap, slack, CLOTH_PAIRS_FEATURES, err));
-  for (int p = 0; p < sim->part_count; p++) // a pair on a border is counted by each of its parts
+  sim->region_lost = CLOTH_REGION_LOST_NONE; // their levels are set
+  for (int p = 0; p < sim->part_count; p++)  // a pair on a border is counted by each of its parts
     sim->report->pairs += sim->part[p].pair_count;
   return CLOTH_OK;
 }
 
 cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err)
 {
-  CLOTH_TRY(search(sim, sim->params.thickness, sim->params.pair_slack, err));
+  sim->pairs_reach = cloth_contact_reach(sim);
+  CLOTH_TRY(search(sim, sim->params.thickness + sim->pairs_reach, sim->params.pair_slack, err));
   sim->pairs_valid = sim->pairs_for_contacts = true;
   return CLOTH_OK;
 }
@@ -99,17 +121,21 @@ cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error 
 
 cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
 {
-  bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts, strayed = false, lost = false, none;
+  bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts ||
+                 !(cloth_contact_reach(sim) <= sim->pairs_reach);
+  lost v = {0, 0, 0}, square = {0, 0, 0};
   // cloth on the move has left by its vertices, and need not be asked about its squares
   int what = VERTICES | (sim->watch.known ? WATCH : 0);
-  if (!escaped) CLOTH_TRY(escaped_any(sim, what, &escaped, &strayed, err));
-  if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(escaped_any(sim, SQUARES, &lost, &none, err));
-  escaped = escaped || lost;
-  if (escaped) {
-    cloth_flat_expect(sim, lost);
+  if (!escaped) CLOTH_TRY(count_lost(sim, what, &v, err));
+  escaped = escaped || v.vertices > 0;
+  if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(count_lost(sim, SQUARES, &square, err));
+  if (escaped || square.squares > 0) {
+    escaped = true;
+    sim->region_lost = who_left(sim, v.vertices);
+    cloth_flat_expect(sim, square.squares > 0);
     CLOTH_TRY(cloth_pairs_search(sim, err));
   }
   sim->report->pairs = 0;
   for (int p = 0; p < sim->part_count; p++) sim->report->pairs += sim->part[p].pair_count;
-  return cloth_watch_update(sim, escaped, strayed, err);
+  return cloth_watch_update(sim, escaped, v.strayed > 0, err);
 }

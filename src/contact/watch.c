@@ -65,7 +65,7 @@ static bool is_wanted(const cloth_sim *sim)
 static cloth_status find(cloth_sim *sim, cloth_part *p, cloth_error *err)
 {
   const cloth_watch *w = &sim->watch;
-  double reach = MARGIN * sim->params.thickness + 3 * w->slack;
+  double reach = MARGIN * sim->params.thickness + cloth_contact_reach(sim) + 3 * w->slack;
   CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_WATCH, err));
   uint32_t *count = cloth_counter(p, CLOTH_COUNT_WATCH);
   CLOTH_TRY(cloth_watch_count(sim, p, count, err));

@@ -108,6 +108,8 @@ static cloth_status take_contact(cloth_sim *sim, cloth_part *p, cloth_error *err
   CLOTH_TRY(cloth_upload(sim, p, "vertex_flat", sim->vertex_flat,
                          (size_t)(sim->all_vertices - sim->vertex_count), &p->vertex_flat, err));
   CLOTH_TRY(take_reals(sim, p, "vertex_box", sim->all_vertices, 6, &p->vertex_box, err));
+  CLOTH_TRY(cloth_take(sim, p, "vertex_level", (size_t)sim->all_vertices, &p->vertex_level, err));
+  CLOTH_TRY(sim->backend->fill(p->device, p->vertex_level, 0, (size_t)sim->all_vertices, err));
   CLOTH_TRY(take_reals(sim, p, "triangle_box", sim->all_triangles, 6, &p->triangle_box, err));
   CLOTH_TRY(cloth_take(sim, p, "counter", sizeof(uint32_t) * CLOTH_COUNTS * CLOTH_COUNT_ROUNDS,
                        &p->counter, err));

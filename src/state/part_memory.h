@@ -102,6 +102,7 @@ typedef struct cloth_part {
   unsigned char *edge_flat;              // of all cloth and bodies
   unsigned char *vertex_flat;            // of bodies
   cloth_real *vertex_box, *triangle_box; // [all x 6] m
+  unsigned char *vertex_level;           // [all] vertex_box.h
   int *body_triangle, *body_listed;      // triangles of near bodies; on the host, as last written
   int body_listed_count;
   uint32_t *cells; // [active + 1]

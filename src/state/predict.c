@@ -5,6 +5,7 @@
 #include "box_chunk.h"
 #include "box_merge.h"
 #include "chunk.h"
+#include "contact/contact.h"
 #include "effect/effect.h"
 #include "state/control.h"
 #include "state/sim.h"
@@ -100,10 +101,11 @@ static cloth_status move_body(cloth_sim *sim, const cloth_body *body, cloth_erro
   return CLOTH_OK;
 }
 
-// pairs keep for vertices that stray by the slack, so what is near does too
+// Pairs keep for vertices that stray by the slack from the box of all cloth (vertex_escape.h), so
+// what is near does too.
 static double near_gap(const cloth_sim *sim)
 {
-  return sim->params.thickness + 2 * sim->params.pair_slack;
+  return sim->params.thickness + cloth_contact_reach(sim) + 2 * sim->params.pair_slack;
 }
 
 static cloth_status move_bodies(cloth_sim *sim, cloth_error *err)

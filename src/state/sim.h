@@ -177,6 +177,8 @@ struct cloth_sim {
   double damping_h;        // s, step for which the damping numbers are set
   bool pairs_valid;        // the candidates still cover every path from x_t0 to x
   bool pairs_for_contacts; // and were searched up to the thickness, not for impacts alone
+  double pairs_reach;      // m, cloth_contact_reach() when they were searched
+  int region_lost;         // cloth_region_lost (vertex_box.h), of the search that is due
   cloth_watch watch;
   bool close_known;  // close pairs are listed, for ends of the substep near x_guess
   bool close_covers; // and x is: no other pair comes to an impact on the way to it

@@ -4,6 +4,7 @@
 // what one finds. What a part has nothing to do with it leaves out.
 #include "contact/pairs.h"
 #include "solve/sim.h"
+#include "vertex_box.h"
 
 enum { N = 11, MOST = 400000 };
 
@@ -45,6 +46,12 @@ static int compare(const void *a, const void *b)
 {
   uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
   return x < y ? -1 : x > y;
+}
+
+// up to which distance the last search had to find pairs, m
+static cloth_real gap_of(const cloth_sim *sim)
+{
+  return (cloth_real)(sim->params.thickness + sim->pairs_reach);
 }
 
 static cloth_box box_of(const cloth_sim *sim, const int *vertex, int n)
@@ -162,7 +169,7 @@ static bool is_apart(const cloth_sim *sim, uint64_t key, double gap)
 // is found and not of brute force, or not found and not apart, is told.
 static bool rest_is_apart(const cloth_sim *sim, int n, int m, const char *what)
 {
-  double gap = 0.999 * sim->params.thickness;
+  double gap = 0.999 * (double)gap_of(sim);
   for (int i = 0, j = 0; i < m || j < n;) {
     if (i < m && j < n && brute[i] == found[j]) {
       i++, j++;
@@ -208,16 +215,28 @@ static int search(cloth_sim *sim)
   return unique;
 }
 
+// how many levels larger regions are (vertex_box.h): none, or each vertex's its own
+static void set_levels(cloth_sim *sim, uint32_t seed)
+{
+  for (int p = 0; p < sim->part_count; p++) {
+    uint32_t s = seed; // the same for every part
+    for (int v = 0; v < sim->all_vertices; v++)
+      sim->part[p].vertex_level[v] =
+          (unsigned char)(seed == 0 ? 0 : (CLOTH_REGION_LEVELS + 0.99) * fabs(roll_real(&s)));
+  }
+}
+
 static int matches(const char *devices, double size, double motion, uint32_t seed)
 {
   cloth_def *def = def_of(devices);
   cloth_sim *sim = sim_new(def);
   sim_step(sim, 1); // once warm, as in use: buffers hold what an earlier search left
   crumple(sim, size, motion, seed);
+  set_levels(sim, 0);
   int n = search(sim);
   if (n < 0) printf("  a pair was reported twice by one part\n");
   CHECK(n >= 0);
-  int m = brute_force(sim, (cloth_real)sim->params.thickness);
+  int m = brute_force(sim, gap_of(sim));
   CHECK(m < MOST && m > 100);
   char what[100];
   snprintf(what, sizeof what, "devices %s, size %g, motion %g, seed %u", devices, size, motion,
@@ -238,6 +257,29 @@ static int pairs_are_those_of_brute_force(void)
   for (int s = 0; s < 3; s++)
     for (int m = 0; m < 3; m++)
       if (matches("cpu", size[s], motion[m], seed++)) return 1;
+  return 0;
+}
+
+static bool is_found(uint64_t key, int n)
+{
+  return bsearch(&key, found, (size_t)n, sizeof *found, compare) != NULL;
+}
+
+// what is found beyond brute force's is of vertices whose region is larger
+static int larger_regions_miss_none(void)
+{
+  cloth_def *def = def_of("cpu,cpu");
+  cloth_sim *sim = sim_new(def);
+  sim_step(sim, 1);
+  crumple(sim, 0.06, 0.002, 79);
+  set_levels(sim, 0);
+  int plain = search(sim);
+  set_levels(sim, 3);
+  int n = search(sim), m = brute_force(sim, gap_of(sim));
+  CHECK(plain > 100 && n > plain);
+  for (int i = 0; i < m; i++)
+    CHECK(is_found(brute[i], n) || is_apart(sim, brute[i], 0.999 * (double)gap_of(sim)));
+  cloth_sim_free(sim), cloth_def_free(def);
   return 0;
 }
 
@@ -277,7 +319,7 @@ static int ghosts_are_those_that_may_meet(void)
   def_cloth(def, "strip", &cloth, cloth_material_default(), pose_at(0, 0, 0));
   cloth_sim *sim = sim_new(def);
   wind(sim, length);
-  int n = search(sim), m = brute_force(sim, (cloth_real)sim->params.thickness), across = 0;
+  int n = search(sim), m = brute_force(sim, gap_of(sim)), across = 0;
   CHECK(rest_is_apart(sim, n, m, "strip"));
   for (int i = 0; i < n; i++) { // of one end with the other
     cloth_pair pair = cloth_pair_unpack(sim->format, found[i]);
@@ -310,7 +352,7 @@ static int slanted_layers_are_told_apart_by_planes(void)
   cloth_sim *sim = sim_new(def);
   for (int i = 0; i < 3 * sim->vertex_count; i++)
     sim->part[0].x[i] = sim->part[0].x_t0[i], sim->part[0].v[i] = 0;
-  int n = search(sim), m = brute_force(sim, (cloth_real)sim->params.thickness), of[2] = {0, 0};
+  int n = search(sim), m = brute_force(sim, gap_of(sim)), of[2] = {0, 0};
   CHECK(rest_is_apart(sim, n, m, "layers"));
   for (int k = 0; k < 2; k++) // between the two
     for (int i = 0; i < (k ? m : n); i++) {
@@ -330,6 +372,7 @@ int main(int argc, char **argv)
 {
   int failures = 0;
   RUN(pairs_are_those_of_brute_force);
+  RUN(larger_regions_miss_none);
   RUN(slanted_layers_are_told_apart_by_planes);
   RUN(parts_together_find_the_pairs_of_one);
   RUN(ghosts_are_those_that_may_meet);

@@ -16,9 +16,10 @@ static solid table, ball, finger;
 
 typedef struct how {
   const char *precision, *backend, *devices, *threads;
-  bool look;    // ask for everything that can be asked between steps
-  bool no_cull; // flat patches are searched like the rest
-  bool close;   // close pairs are listed, however few candidates there are
+  bool look;         // ask for everything that can be asked between steps
+  bool no_cull;      // flat patches are searched like the rest
+  bool close;        // close pairs are listed, however few candidates there are
+  const char *slack; // pair_slack, m; NULL: the default
 } how;
 
 // a towel that is lifted by one corner, pulled by a finger at another, hit by a ball, in the wind,
@@ -33,6 +34,7 @@ static cloth_scene *scene_of(const how *h)
   def_set(def, "backend", h->backend);
   def_set(def, "devices", h->devices);
   def_set(def, "threads", h->threads);
+  if (h->slack) def_set(def, "pair_slack", h->slack);
   if (h->no_cull) def_set(def, "flat_culling", "off");
   if (h->close) def_set(def, "close_pairs_from", "1");
   def_set(def, "air_density", "1.2");
@@ -217,6 +219,17 @@ static int not_culled(const char *precision)
 }
 BOTH(culling_of_flat_patches_changes_no_bit, not_culled)
 
+static int searched(const char *precision)
+{
+  static const char *const slack[] = {"0", "0.004"}; // the first: at every step
+  for (int i = 0; i < 2; i++) {
+    how h = {precision, "cpu", "cpu", "1", .slack = slack[i]};
+    if (compare(precision, &h)) return 1;
+  }
+  return 0;
+}
+BOTH(when_pairs_are_searched_changes_no_bit, searched)
+
 static int close_pairs(const char *precision)
 {
   static const char *const devices[] = {"cpu", "cpu,cpu", "cpu,cpu,cpu"};
@@ -310,7 +323,7 @@ static int on_gpu(const char *precision)
 {
   static const char *const devices[] = {"0", "0,0", "0,0,0,0"};
   for (int i = 0; i < 3; i++) {
-    how h = {precision, "cuda", devices[i], "1", i == 1, false, i > 0};
+    how h = {precision, "cuda", devices[i], "1", .look = i == 1, .close = i > 0};
     if (compare(precision, &h)) return 1;
   }
   return 0;
@@ -320,7 +333,7 @@ BOTH(a_gpu_gives_the_bits_of_a_cpu_in_any_number_of_parts, on_gpu)
 static int gpu_twice(const char *precision)
 {
   uint64_t first[STEPS], second[STEPS];
-  how h = {precision, "cuda", "0", "1", false, false, false};
+  how h = {precision, "cuda", "0", "1", .look = false};
   run(&h, first, NULL), run(&h, second, NULL);
   return same_hashes(STEPS, "the second run", first, second);
 }
@@ -337,6 +350,7 @@ int main(int argc, char **argv)
   RUN(work_in_random_order_gives_the_same_bits);
   RUN(looking_at_the_scene_changes_no_bit);
   RUN(culling_of_flat_patches_changes_no_bit);
+  RUN(when_pairs_are_searched_changes_no_bit);
   RUN(lists_of_close_pairs_change_no_bit);
   RUN(a_run_after_a_reset_gives_the_bits_of_the_first);
   RUN(a_run_continued_from_a_file_gives_the_same_bits);

@@ -5,7 +5,7 @@ static int width(cloth_count_place place)
 {
   bool one = place == CLOTH_COUNT_TANGLES || place == CLOTH_COUNT_FACTORED ||
              place == CLOTH_COUNT_PAIRS || place == CLOTH_COUNT_UNSETTLED;
-  return one ? 1 : place == CLOTH_COUNT_ESCAPED ? 3 : 2;
+  return one ? 1 : place == CLOTH_COUNT_ESCAPED ? 4 : 2;
 }
 
 uint32_t *cloth_counter(const cloth_part *part, cloth_count_place place)

@@ -18,11 +18,13 @@
 // that of watched ones
 enum { VERTICES = 1, SQUARES = 2, GUESS = 4, WATCH = 8 };
 
-enum { FEW = 16 }; // where less than this share of the vertices escaped, their regions are enlarged
+// where less than one in FEW vertices escaped, their regions are enlarged, and where less than one
+// in HURRIED would do so soon, theirs as well
+enum { FEW = 16, HURRIED = 3 };
 
 // what was asked about and lost
 typedef struct lost {
-  uint32_t vertices, strayed, squares;
+  uint32_t vertices, strayed, squares, hurried;
 } lost;
 
 // Each part looks at its own vertices, and at the squares that it judges.
@@ -40,6 +42,7 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
                                 .room =
                                     cloth_box_swept(sim->cloth_box.lo, sim->cloth_box.hi, slack),
                                 .stray = (cloth_real)cloth_close_stray(sim),
+                                .slack = slack,
                                 .count = cloth_counter(p, CLOTH_COUNT_ESCAPED)};
   int b = -1, bodies = sim->def->body_count, vertices;
   if (what & VERTICES && sim->part_count > 1) {
@@ -60,21 +63,23 @@ static cloth_status count_escaped(cloth_sim *sim, cloth_part *p, int what, cloth
 // A vertex is counted by the part that owns it, so the vertices are the same for any parts.
 static cloth_status count_lost(cloth_sim *sim, int what, lost *out, cloth_error *err)
 {
-  *out = (lost){0, 0, 0};
+  *out = (lost){0, 0, 0, 0};
   for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(count_escaped(sim, &sim->part[i], what, err));
   for (int i = 0; i < sim->part_count; i++) {
-    uint32_t count[3] = {0, 0, 0};
+    uint32_t count[4] = {0, 0, 0, 0};
     CLOTH_TRY(cloth_count_read(sim, &sim->part[i], CLOTH_COUNT_ESCAPED, count, err));
     out->vertices += count[0], out->strayed += count[1], out->squares += count[2];
+    out->hurried += count[3];
   }
   return CLOTH_OK;
 }
 
-static cloth_region_lost who_left(const cloth_sim *sim, uint32_t vertices)
+static cloth_region_lost who_left(const cloth_sim *sim, const lost *l)
 {
-  if (vertices == 0) return CLOTH_REGION_LOST_NONE;
-  return FEW * (int64_t)vertices < sim->vertex_count ? CLOTH_REGION_LOST_FEW
-                                                     : CLOTH_REGION_LOST_MANY;
+  if (l->vertices == 0) return CLOTH_REGION_LOST_NONE;
+  if (FEW * (int64_t)l->vertices >= sim->vertex_count) return CLOTH_REGION_LOST_MANY;
+  return HURRIED * (int64_t)l->hurried < sim->vertex_count ? CLOTH_REGION_LOST_FEW
+                                                           : CLOTH_REGION_LOST_FEW_OF_MANY;
 }
 
 cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err)
@@ -83,7 +88,7 @@ cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err
   int what = VERTICES | SQUARES | (sim->close_known ? GUESS : 0);
   CLOTH_TRY(count_lost(sim, what, &l, err));
   *escaped = l.vertices > 0 || l.squares > 0;
-  sim->region_lost = who_left(sim, l.vertices);
+  sim->region_lost = who_left(sim, &l);
   sim->close_covers = sim->close_known && !*escaped && l.strayed == 0;
   return CLOTH_OK;
 }
@@ -123,7 +128,7 @@ cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
 {
   bool escaped = !sim->pairs_valid || !sim->pairs_for_contacts ||
                  !(cloth_contact_reach(sim) <= sim->pairs_reach);
-  lost v = {0, 0, 0}, square = {0, 0, 0};
+  lost v = {0, 0, 0, 0}, square = {0, 0, 0, 0};
   // cloth on the move has left by its vertices, and need not be asked about its squares
   int what = VERTICES | (sim->watch.known ? WATCH : 0);
   if (!escaped) CLOTH_TRY(count_lost(sim, what, &v, err));
@@ -131,7 +136,7 @@ cloth_status cloth_pairs_find(cloth_sim *sim, cloth_error *err)
   if (!escaped && sim->flat.nodes > 0) CLOTH_TRY(count_lost(sim, SQUARES, &square, err));
   if (escaped || square.squares > 0) {
     escaped = true;
-    sim->region_lost = who_left(sim, v.vertices);
+    sim->region_lost = who_left(sim, &v);
     cloth_flat_expect(sim, square.squares > 0);
     CLOTH_TRY(cloth_pairs_search(sim, err));
   }

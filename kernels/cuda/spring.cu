@@ -17,10 +17,10 @@ enum {
 };
 
 // the state as the sub-steps read it, and where they may go back to
-__device__ void begin(const cloth_spring_block_args &b, record *now)
+__device__ void begin(const cloth_spring_block_args &b, record *now, int own_row, int stride)
 {
-  int first = (int)(blockIdx.x * blockDim.x + threadIdx.x), stride = (int)(gridDim.x * blockDim.x);
-  for (int i = first; i < b.rows; i += stride) {
+  bool moves = (int)threadIdx.x < (int)blockDim.x / LANES;
+  for (int i = own_row; moves && i < b.rows; i += stride) {
     cloth_v3 x = cloth_v3_load(b.x, i), v = cloth_v3_load(b.v, i);
     now[i].x = cell_of(x), now[i].v = cell_of(v);
     if (b.x_ref) cloth_v3_store(b.x_ref, i, x), cloth_v3_store(b.v_ref, i, v);
@@ -44,7 +44,7 @@ template <typename Barrier, bool AtOnce> struct worker {
   gatherer mine;
   mover own;
 
-  __device__ worker(const cloth_spring_block_args &launch_args, record *records, int slots,
+  __device__ worker(const cloth_spring_block_args &launch_args, record *records, tile_size size,
                     shared_room *room, void *kept_room, Barrier barrier)
       : args(launch_args), b(launch_args), a(launch_args.step), inputs(room->inputs), g(barrier)
   {
@@ -52,33 +52,41 @@ template <typename Barrier, bool AtOnce> struct worker {
     stride = particles * (int)gridDim.x;
     row = (int)blockIdx.x * particles + thread / LANES;
     own_row = (int)blockIdx.x * particles + thread;
-    keep = static_cast<kept *>(kept_room);
-    here = tile_of(keep, particles, b.rows, slots, AtOnce);
-    keep += thread;
+    here = tile_of(kept_room, particles, b.rows, size, AtOnce);
+    keep = here.kept_of_other(static_cast<kept *>(kept_room), thread);
     here.now = records, next = records + b.rows;
     searched = searches = 0;
-    begin(b, records);
+    begin(b, records, own_row, stride);
     bring(b, room);
     a.shapes = b.step.shapes;
+    if (AtOnce) settle();
+  }
+
+  // the block's own particles, and what they hang on
+  __device__ void settle()
+  {
+    here.forget_all();
+    own.take(args, own_row);
+    own.load(args, here);
+    if (own.there) own.x = get(here.now[own_row].x), own.v = get(here.now[own_row].v);
+    show();
+    __syncthreads();
+    mine.load(args, here, row, &keep->share);
+    __syncthreads();
+    here.keep_all();
   }
 
   // what is felt from sub-step k on
   __device__ void look(int k)
   {
-    here.forget_others();
+    here.forget_candidates();
     if (args.head)
-      search(args, here.now, row, stride, k > 0, keep, g);
+      search(args, here, row, own_row, stride, k > 0, keep, g);
     else
       g.sync();
     searched = k, searches++;
     if (!AtOnce) return;
-    mine.load(args, here, row, &keep->share);
-    own.take(args, own_row);
-    if (k == 0) {
-      own.load(args, here);
-      if (own.there) own.x = get(here.now[own_row].x), own.v = get(here.now[own_row].v);
-      show();
-    }
+    mine.load_near(args.step.particles, here, keep);
     own.look(here, own.x);
     __syncthreads();
   }
@@ -102,11 +110,12 @@ template <typename Barrier, bool AtOnce> struct worker {
     bool last = k + 1 == b.count;
     if (!AtOnce) {
       mine.load(args, here, from + row, &keep->share);
+      mine.load_near(args.step.particles, here, keep);
       own.take(args, from + own_row);
       own.load(args, here);
       if (b.x_ref && own.there) own.look(here, cloth_v3_load(b.x_ref, own.row));
     }
-    mine.gather(a, here, &keep->share);
+    mine.gather(a, here, keep);
     __syncthreads();
     int far = 0;
     if (own.there) {
@@ -152,48 +161,54 @@ template <typename Barrier, bool AtOnce> struct worker {
 
 template <bool AtOnce>
 __global__ void __launch_bounds__(THREADS, 1)
-    block_by_grid(const __grid_constant__ cloth_spring_block_args b, record *records, int slots,
-                  cloth_vote_state *state)
+    block_by_grid(const __grid_constant__ cloth_spring_block_args b, record *records,
+                  tile_size size, cloth_vote_state *state)
 {
   __shared__ shared_room room;
   extern __shared__ __align__(16) double kept_room[];
   cloth_grid_vote g(state);
-  worker<cloth_grid_vote, AtOnce>(b, records, slots, &room, kept_room, g).run();
+  worker<cloth_grid_vote, AtOnce>(b, records, size, &room, kept_room, g).run();
 }
 
 __global__ void __launch_bounds__(CLUSTER_THREADS, 1)
-    block_by_cluster(const __grid_constant__ cloth_spring_block_args b, record *records, int slots)
+    block_by_cluster(const __grid_constant__ cloth_spring_block_args b, record *records,
+                     tile_size size)
 {
   __shared__ shared_room room;
   extern __shared__ __align__(16) double kept_room[];
   cloth_cluster_vote g(room.heard);
-  worker<cloth_cluster_vote, true>(b, records, slots, &room, kept_room, g).run();
+  worker<cloth_cluster_vote, true>(b, records, size, &room, kept_room, g).run();
 }
 
 // ---- launches -----------------------------------------------------------------------------------
 
 int rounded(int threads) { return (threads + WARP - 1) / WARP * WARP; }
 
-bool fits(const cloth_device *d, int threads, int slots)
+bool fits(const cloth_device *d, int threads, tile_size size)
 {
-  return tile_bytes(threads, slots) + sizeof(shared_room) + 1024 <= d->shared_bytes;
+  return tile_bytes(threads, size) + sizeof(shared_room) + 1024 <= d->shared_bytes;
 }
 
-// places for others in a block's tile: cloth in one layer asks for about one a thread
-int slots_of(const cloth_device *d, int threads)
+// Places for others in a block's tile: cloth in one layer asks for about one a thread. What is left
+// is for candidates.
+tile_size size_of(const cloth_device *d, int threads)
 {
-  int slots = 2 * WARP;
-  while (slots < 2 * threads) slots *= 2;
-  while (slots > WARP && !fits(d, threads, slots)) slots /= 2;
-  return slots;
+  tile_size size = {2 * WARP, ROOM_LEAST};
+  while (size.slots < 2 * threads) size.slots *= 2;
+  while (size.slots > WARP && !fits(d, threads, size)) size.slots /= 2;
+  while (size.room + ROOM_MORE <= ROOM_MOST &&
+         fits(d, threads, {size.slots, size.room + ROOM_MORE}))
+    size.room += ROOM_MORE;
+  return size;
 }
 
 // most threads of a block, and blocks of the largest cluster that the device runs; 1: it has none
 cloth_status ask_device(cloth_device *d, cloth_error *err)
 {
-  int major = 0, threads = THREADS, slots = slots_of(d, CLUSTER_THREADS);
+  int major = 0, threads = THREADS;
+  tile_size size = size_of(d, CLUSTER_THREADS);
   int bytes = (int)(d->shared_bytes - sizeof(shared_room) - 1024);
-  while (threads > WARP && !fits(d, threads, threads)) threads -= WARP;
+  while (threads > WARP && !fits(d, threads, {threads, ROOM_LEAST})) threads -= WARP;
   CUDA_TRY(err, cudaFuncSetAttribute(block_by_grid<true>,
                                      cudaFuncAttributeMaxDynamicSharedMemorySize, bytes));
   CUDA_TRY(err, cudaFuncSetAttribute(block_by_grid<false>,
@@ -208,7 +223,7 @@ cloth_status ask_device(cloth_device *d, cloth_error *err)
   for (int blocks = CLUSTER_BLOCKS; blocks > 1 && d->spring_blocks == 1; blocks /= 2) {
     cloth_cluster_launch l;
     int clusters = 0;
-    cloth_cluster_of(&l, blocks, CLUSTER_THREADS, tile_bytes(CLUSTER_THREADS, slots),
+    cloth_cluster_of(&l, blocks, CLUSTER_THREADS, tile_bytes(CLUSTER_THREADS, size),
                      d->stream[CLOTH_COMPUTE]);
     if (cudaOccupancyMaxActiveClusters(&clusters, block_by_cluster, &l.config) == cudaSuccess &&
         clusters > 0)
@@ -223,9 +238,10 @@ cudaError_t launch_cluster(cloth_device *d, const cloth_spring_block_args &b, re
   cloth_cluster_launch l;
   int wanted = LANES * b.rows, blocks = 1;
   while (blocks < d->spring_blocks && blocks * CLUSTER_THREADS / 2 < wanted) blocks *= 2;
-  int threads = rounded((wanted + blocks - 1) / blocks), slots = slots_of(d, threads);
-  cloth_cluster_of(&l, blocks, threads, tile_bytes(threads, slots), d->stream[CLOTH_COMPUTE]);
-  return cudaLaunchKernelEx(&l.config, block_by_cluster, b, records, slots);
+  int threads = rounded((wanted + blocks - 1) / blocks);
+  tile_size size = size_of(d, threads);
+  cloth_cluster_of(&l, blocks, threads, tile_bytes(threads, size), d->stream[CLOTH_COMPUTE]);
+  return cudaLaunchKernelEx(&l.config, block_by_cluster, b, records, size);
 }
 
 cudaError_t launch_grid(cloth_device *d, const cloth_spring_block_args &b, record *records,
@@ -236,12 +252,12 @@ cudaError_t launch_grid(cloth_device *d, const cloth_spring_block_args &b, recor
   if (threads > d->spring_threads) threads = d->spring_threads;
   int blocks = (wanted + threads - 1) / threads;
   bool at_once = blocks <= most;
-  int slots = at_once ? slots_of(d, threads) : 0;
-  void *parameters[] = {const_cast<cloth_spring_block_args *>(&b), &records, &slots, &state};
+  tile_size size = at_once ? size_of(d, threads) : tile_size{0, ROOM_LEAST};
+  void *parameters[] = {const_cast<cloth_spring_block_args *>(&b), &records, &size, &state};
   auto kernel = at_once ? block_by_grid<true> : block_by_grid<false>;
   return cudaLaunchCooperativeKernel(
       reinterpret_cast<const void *>(kernel), dim3((unsigned)(at_once ? blocks : most)),
-      dim3((unsigned)threads), parameters, tile_bytes(threads, slots), d->stream[CLOTH_COMPUTE]);
+      dim3((unsigned)threads), parameters, tile_bytes(threads, size), d->stream[CLOTH_COMPUTE]);
 }
 
 } // namespace

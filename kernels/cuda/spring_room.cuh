@@ -13,14 +13,15 @@ enum {
   WARP = 32,
   SPRINGS = 3, // of a thread in shared memory, as many as a particle of a lattice has
   TRIANGLES = 2,
-  CANDIDATES = 4,
+  CANDIDATES = 4,                   // loaded and looked at as one
   HEADS = (27 + LANES - 1) / LANES, // of the cells around a particle, by each of its threads
+  FOUND_LEAST = 15,                 // that a thread has room for in a search
   BODIES = 16,                      // in shared memory
   POSE_NUMBERS = 1536,              // in shared memory
   PROBES = 16                       // of the table of others
 };
 
-constexpr int NOBODY = -1;
+constexpr int NOBODY = -1, KEPT_ONE = 1 << 30;
 
 // three numbers as one load
 struct __align__(16) cell { cloth_real x, y, z, more; };
@@ -39,25 +40,43 @@ __device__ __forceinline__ cell cell_of(cloth_v3 v, cloth_real more = 0)
 
 // ---- of a thread --------------------------------------------------------------------------------
 
-// Its share of a particle. Particles are places in the tile.
+// Its share of the springs and triangles of a particle. Particles are places in the tile.
 struct kept_share {
   cloth_real law[CLOTH_SPRING_LAW * SPRINGS], drag[2];
-  cloth_real apart[CANDIDATES]; // m, see cloth_particle_apart()
-  int to[SPRINGS], corner[3 * TRIANGLES], candidate[CANDIDATES];
+  int to[SPRINGS], corner[3 * TRIANGLES];
   uint32_t spring, spring_end, triangle, triangle_end; // what is left in memory
-  uint32_t listed;                                     // candidates of the particle
 };
 
-// An odd number of banks, so that neighbouring threads do not ask the same one.
-constexpr int KEPT_NUMBERS = (int)(sizeof(kept_share) / sizeof(cloth_real)) | 1;
+struct kept_candidate {
+  cloth_real apart; // m, see cloth_particle_apart()
+  int place;
+};
 
-union kept {
+// What a thread keeps. Behind it is room for its share of the candidates: while they are searched
+// for, HEADS lists and what is found; then `near`. A small net has room for more of them.
+struct kept {
   kept_share share;
-  cloth_real number[KEPT_NUMBERS];
-  int search[KEPT_NUMBERS * sizeof(cloth_real) / sizeof(int)]; // heads and what is found
+  uint32_t listed; // candidates of the particle
+
+  __device__ __forceinline__ kept_candidate *near()
+  {
+    return reinterpret_cast<kept_candidate *>(this + 1);
+  }
+  __device__ __forceinline__ const kept_candidate *near() const
+  {
+    return reinterpret_cast<const kept_candidate *>(this + 1);
+  }
+  __device__ __forceinline__ int *search() { return reinterpret_cast<int *>(this + 1); }
 };
 
-constexpr int FOUND = sizeof(kept) / sizeof(int) - HEADS;
+// That room, in bytes: together an odd number of banks, so that neighbouring threads do not ask the
+// same one.
+constexpr int ROOM_MORE = 2 * (int)sizeof(cloth_real);
+constexpr int ROOM_LEAST =
+    ((HEADS + FOUND_LEAST) * (int)sizeof(int) + ROOM_MORE - 1) / ROOM_MORE * ROOM_MORE +
+    (sizeof(kept) / sizeof(cloth_real) % 2 == 0 ? (int)sizeof(cloth_real) : 0);
+constexpr int ROOM_MOST = ROOM_LEAST + 20 * ROOM_MORE;
+static_assert(ROOM_LEAST >= CANDIDATES * (int)sizeof(kept_candidate), "room");
 
 // Of a particle, for who moves it.
 struct kept_particle {
@@ -74,9 +93,16 @@ struct shared_room {
   unsigned heard[2];
 };
 
+// What the launch chooses.
+struct tile_size {
+  int slots; // places for others
+  int room;  // bytes behind each thread's `kept`
+};
+
 // States of the block's own particles, and of others that they feel, by a table from particle to
 // place. Who finds no place there is read from memory; place -2 - i says so. A block that takes its
-// particles in several goes has no tile.
+// particles in several goes has no tile. Those at the other ends of springs and triangles stay in
+// the table (KEPT_ONE in `other`), candidates until the next search.
 struct tile {
   cell *x, *v;            // [own + slots]
   cell *force;            // [particles of a go] N; contacts with particles
@@ -84,24 +110,51 @@ struct tile {
   int *other;             // [slots] whose place it is
   int first, own;         // particles [first, first + own) are the block's
   int slots;              // a power of two
+  int room;               // see tile_size
   const record *now;      // states of all
+
+  // of the thread that is `by` behind the one of k
+  __device__ __forceinline__ kept *kept_of_other(kept *k, int by) const
+  {
+    return reinterpret_cast<kept *>(reinterpret_cast<char *>(k) + by * ((int)sizeof(kept) + room));
+  }
+
+  __device__ __forceinline__ int candidates() const // that a thread keeps
+  {
+    return room / (int)sizeof(kept_candidate) / CANDIDATES * CANDIDATES;
+  }
+
+  __device__ __forceinline__ int found() const // for what a thread finds
+  {
+    return room / (int)sizeof(int) - HEADS;
+  }
 
   __device__ __forceinline__ int place(int i) const
   {
     unsigned at = (unsigned)(i - first), slot = (unsigned)i * 2654435761u >> 16;
+    int kept_one = i | KEPT_ONE;
     if (at < (unsigned)own) return (int)at;
 #pragma unroll 1
     for (int n = 0; n < PROBES && slots > 0; n++, slot++) {
       slot &= (unsigned)slots - 1;
       int whose = atomicCAS(other + slot, NOBODY, i);
-      if (whose == NOBODY || whose == i) return own + (int)slot;
+      if (whose == NOBODY || whose == i || whose == kept_one) return own + (int)slot;
     }
     return -2 - i;
   }
 
   __device__ __forceinline__ int particle(int place) const
   {
-    return place < 0 ? -2 - place : place < own ? first + place : other[place - own];
+    return place < 0 ? -2 - place : place < own ? first + place : other[place - own] & ~KEPT_ONE;
+  }
+
+  // of any particle, in its place or not
+  __device__ __forceinline__ cloth_v3 position_of(int i) const
+  {
+    unsigned at = (unsigned)(i - first);
+    cell c = x[at < (unsigned)own ? at : 0];
+    if (at >= (unsigned)own) c = now[i].x;
+    return get(c);
   }
 
   // Shared memory is read whoever it is, so that the load is known to be of it.
@@ -119,9 +172,22 @@ struct tile {
     return get(c);
   }
 
-  __device__ void forget_others()
+  __device__ void forget_all()
   {
     for (int s = (int)threadIdx.x; s < slots; s += (int)blockDim.x) other[s] = NOBODY;
+  }
+
+  __device__ void keep_all()
+  {
+    for (int s = (int)threadIdx.x; s < slots; s += (int)blockDim.x)
+      if (other[s] != NOBODY) other[s] |= KEPT_ONE;
+  }
+
+  // A chain of probes may break where one was forgotten: then a particle is in the table twice.
+  __device__ void forget_candidates()
+  {
+    for (int s = (int)threadIdx.x; s < slots; s += (int)blockDim.x)
+      if (other[s] != NOBODY && !(other[s] & KEPT_ONE)) other[s] = NOBODY;
   }
 
   // the others' states: all loads of a thread are under way before the first is waited for
@@ -130,33 +196,35 @@ struct tile {
     int threads = (int)blockDim.x;
     for (int s = (int)threadIdx.x; s < slots; s += 2 * threads) {
       int t = s + threads, i = other[s], j = t < slots ? other[t] : NOBODY;
-      record a = now[i == NOBODY ? 0 : i], b = now[j == NOBODY ? 0 : j];
+      record a = now[i == NOBODY ? 0 : i & ~KEPT_ONE], b = now[j == NOBODY ? 0 : j & ~KEPT_ONE];
       if (i != NOBODY) x[own + s] = a.x, v[own + s] = a.v;
       if (j != NOBODY) x[own + t] = b.x, v[own + t] = b.v;
     }
   }
 };
 
-inline size_t tile_bytes(int threads, int slots)
+inline size_t tile_bytes(int threads, tile_size size)
 {
-  size_t own = (size_t)threads / LANES, others = (size_t)slots;
-  return (size_t)threads * sizeof(kept) + (3 * own + 2 * others) * sizeof(cell) +
-         own * sizeof(kept_particle) + others * sizeof(int);
+  size_t own = (size_t)threads / LANES, others = (size_t)size.slots;
+  return (size_t)threads * (sizeof(kept) + (size_t)size.room) +
+         (3 * own + 2 * others) * sizeof(cell) + own * sizeof(kept_particle) + others * sizeof(int);
 }
 
 // behind what the threads keep
-__device__ tile tile_of(kept *threads, int particles, int rows, int slots, bool at_once)
+__device__ tile tile_of(void *threads, int particles, int rows, tile_size size, bool at_once)
 {
   tile t;
-  t.force = reinterpret_cast<cell *>(threads + blockDim.x);
+  t.room = size.room;
+  t.force = reinterpret_cast<cell *>(static_cast<char *>(threads) +
+                                     (size_t)blockDim.x * (sizeof(kept) + (size_t)size.room));
   t.x = t.force + particles;
-  t.v = t.x + particles + slots;
-  t.kept_of = reinterpret_cast<kept_particle *>(t.v + particles + slots);
+  t.v = t.x + particles + size.slots;
+  t.kept_of = reinterpret_cast<kept_particle *>(t.v + particles + size.slots);
   t.other = reinterpret_cast<int *>(t.kept_of + particles);
   t.first = (int)blockIdx.x * particles;
   int left = rows > t.first ? rows - t.first : 0; // none for the last blocks of a cluster
   t.own = !at_once ? 0 : left < particles ? left : particles;
-  t.slots = at_once ? slots : 0;
+  t.slots = at_once ? size.slots : 0;
   t.now = nullptr;
   return t;
 }

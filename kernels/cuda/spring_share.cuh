@@ -24,28 +24,56 @@ struct gatherer {
     mass = a.mass[i];
     load_springs(a.springs, here, keep);
     load_triangles(a.air, here, keep);
-    uint32_t n = a.particles.listed ? a.particles.listed[i] : (uint32_t)a.particles.count;
-    keep->listed = there ? n : 0;
-    for (int k = 0; k < CANDIDATES; k++) {
-      int j = candidate(a.particles, k, keep->listed);
-      keep->apart[k] = j == NOBODY ? 0 : cloth_particle_apart(&a.particles, i, j);
-      keep->candidate[k] = j == NOBODY ? own : here.place(j);
+  }
+
+  // Whom the particle may touch; nobody touches himself.
+  __device__ __forceinline__ void load_near(const cloth_particles &a, const tile &here, kept *keep)
+  {
+    uint32_t listed = !there ? 0 : a.listed ? a.listed[i] : (uint32_t)a.count;
+    keep->listed = listed;
+    int k = 0;
+    do load_some(a, here, listed, k, keep->near() + k);
+    while (k += CANDIDATES, k < here.candidates() && (uint32_t)(LANES * k) < listed);
+  }
+
+  // CANDIDATES of them, from the thread's k-th on. Here and below all loads are under way before
+  // the first is used.
+  __device__ __forceinline__ void load_some(const cloth_particles &a, const tile &here,
+                                            uint32_t listed, int k, kept_candidate *near)
+  {
+    int j[CANDIDATES];
+    cloth_real apart[CANDIDATES];
+#pragma unroll
+    for (int n = 0; n < CANDIDATES; n++) j[n] = candidate(a, k + n, listed);
+#pragma unroll
+    for (int n = 0; n < CANDIDATES; n++)
+      apart[n] = a.count > 0 ? cloth_particle_apart(&a, i, j[n] == NOBODY ? i : j[n]) : 0;
+#pragma unroll
+    for (int n = 0; n < CANDIDATES; n++) {
+      near[n].apart = apart[n];
+      near[n].place = j[n] == NOBODY ? own : here.place(j[n]);
     }
   }
 
-  // A spring to itself pulls with zero, a triangle of one corner has no drag, and nobody touches
-  // himself.
+  // A spring to itself pulls with zero, a triangle of one corner has no drag.
   __device__ __forceinline__ void load_springs(const cloth_spring_rows &r, const tile &here,
                                                kept_share *keep)
   {
     uint32_t spring = 0, spring_end = 0;
     if (r.first && there) spring = r.first[i] + (uint32_t)lane, spring_end = r.first[i + 1];
+    int to[SPRINGS];
+    cloth_real law[CLOTH_SPRING_LAW * SPRINGS];
+#pragma unroll
     for (int k = 0; k < SPRINGS; k++, spring += LANES) {
       bool is = spring < spring_end;
-      keep->to[k] = is ? here.place(r.to[spring]) : own;
+      to[k] = is ? r.to[spring] : NOBODY;
       for (int c = 0; c < CLOTH_SPRING_LAW; c++)
-        keep->law[CLOTH_SPRING_LAW * k + c] = is ? r.law[CLOTH_SPRING_LAW * spring + c] : 0;
+        law[CLOTH_SPRING_LAW * k + c] = is ? r.law[CLOTH_SPRING_LAW * spring + c] : 0;
     }
+#pragma unroll
+    for (int n = 0; n < CLOTH_SPRING_LAW * SPRINGS; n++) keep->law[n] = law[n];
+#pragma unroll
+    for (int k = 0; k < SPRINGS; k++) keep->to[k] = to[k] == NOBODY ? own : here.place(to[k]);
     keep->spring = spring, keep->spring_end = spring_end;
   }
 
@@ -55,11 +83,15 @@ struct gatherer {
     bool any = a.first && there;
     uint32_t triangle = any ? a.first[i] + (uint32_t)lane : 0;
     uint32_t triangle_end = any ? a.first[i + 1] : 0;
+    int corner[3 * TRIANGLES];
     for (int c = 0; c < 2; c++) keep->drag[c] = any ? a.drag[2 * i + c] : 0;
+#pragma unroll
     for (int k = 0; k < TRIANGLES; k++, triangle += LANES)
       for (int c = 0; c < 3; c++)
-        keep->corner[3 * k + c] =
-            triangle < triangle_end ? here.place(a.triangle[3 * triangle + c]) : own;
+        corner[3 * k + c] = triangle < triangle_end ? a.triangle[3 * triangle + c] : NOBODY;
+#pragma unroll
+    for (int n = 0; n < 3 * TRIANGLES; n++)
+      keep->corner[n] = corner[n] == NOBODY ? own : here.place(corner[n]);
     keep->triangle = triangle, keep->triangle_end = triangle_end;
   }
 
@@ -131,18 +163,29 @@ struct gatherer {
     *touch += __popc(hits >> group & ((1u << LANES) - 1));
   }
 
+  // one that the thread keeps
+  __device__ __forceinline__ void meet_kept(const cloth_particles &a, const tile &here, int place,
+                                            cloth_real apart, cloth_v3 *f, int *touch) const
+  {
+    cloth_v3 d = cloth_v3_sub(x, here.position(place));
+    meet(a, here, place, d, cloth_particle_nearer(d, apart) ? apart : 0, f, touch);
+  }
+
   __device__ __forceinline__ cloth_v3 meet_all(const cloth_particles &a, const tile &here,
-                                               const kept_share *keep, int *touch) const
+                                               const kept *keep, int *touch) const
   {
     cloth_v3 f = cloth_v3_make(0, 0, 0);
-#pragma unroll
-    for (int k = 0; k < CANDIDATES; k++) {
-      cloth_v3 d = cloth_v3_sub(x, here.position(keep->candidate[k]));
-      cloth_real most = keep->apart[k];
-      meet(a, here, keep->candidate[k], d, cloth_particle_nearer(d, most) ? most : 0, &f, touch);
-    }
+    const kept_candidate *near = keep->near();
     uint32_t listed = keep->listed;
-    for (int k = CANDIDATES; __any_sync(0xffffffffu, (uint32_t)(LANES * k) < listed); k++) {
+    int k = CANDIDATES, last = here.candidates();
+#pragma unroll
+    for (int n = 0; n < CANDIDATES; n++)
+      meet_kept(a, here, near[n].place, near[n].apart, &f, touch);
+    for (; k < last && __any_sync(0xffffffffu, (uint32_t)(LANES * k) < listed); k++) {
+      bool is = (uint32_t)(LANES * k) < listed; // loaded, be it with nobody
+      meet_kept(a, here, is ? near[k].place : own, is ? near[k].apart : 0, &f, touch);
+    }
+    for (; __any_sync(0xffffffffu, (uint32_t)(LANES * k) < listed); k++) {
       int j = candidate(a, k, listed), place = j == NOBODY ? own : -2 - j;
       cloth_v3 d = cloth_v3_sub(x, here.position(place));
       meet(a, here, place, d, j == NOBODY ? 0 : cloth_particle_touch(&a, i, j, d), &f, touch);
@@ -152,11 +195,11 @@ struct gatherer {
 
   // The force on the particle but for its hold, and how many it touches, for who moves it.
   __device__ __forceinline__ void gather(const cloth_spring_step_args &a, const tile &here,
-                                         const kept_share *keep)
+                                         const kept *keep)
   {
     int touch = 0;
     x = here.position(own), v = here.velocity(own);
-    cloth_v3 sum = share(a, here, keep);
+    cloth_v3 sum = share(a, here, &keep->share);
     for (int width = LANES / 2; width > 0; width /= 2) {
       sum.x += __shfl_xor_sync(0xffffffffu, sum.x, width);
       sum.y += __shfl_xor_sync(0xffffffffu, sum.y, width);

@@ -33,7 +33,8 @@ CLOTH_FN cloth_bin cloth_bin_of(const cloth_bins *b, cloth_v3 p)
   return c;
 }
 
+/// Cells side by side along x have places side by side.
 CLOTH_FN uint32_t cloth_bin_place(const cloth_bins *b, int x, int y, int z)
 {
-  return ((uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^ (uint32_t)z * 83492791u) & b->mask;
+  return ((uint32_t)x + ((uint32_t)y * 19349663u ^ (uint32_t)z * 83492791u)) & b->mask;
 }

@@ -14,12 +14,13 @@ double cloth_spring_stray(const cloth_sim *sim)
   return fmax(sim->params.pair_slack, 1.5 * sim->springs.radius);
 }
 
-// as many places as particles, or twice as many
-static int place_bits(int count)
+// Twice as many places as particles, or more; four times that where a place is a list, along which
+// a search goes step by step, and they need not be passed over.
+static int place_bits(const cloth_sim *sim)
 {
   int bits = 1;
-  while (bits < 30 && (1 << bits) < 2 * count) bits++;
-  return bits;
+  while (bits < 28 && (1 << bits) < 2 * sim->vertex_count) bits++;
+  return cloth_springs_at_once(sim) ? bits + 2 : bits;
 }
 
 static cloth_status take(cloth_sim *sim, cloth_part *p, int bits, cloth_error *err)
@@ -46,7 +47,7 @@ cloth_bin_search_args cloth_spring_find(const cloth_sim *sim, const cloth_part *
 {
   const cloth_spring_part *s = &p->spring;
   double reach = 2 * sim->springs.radius + 2 * cloth_spring_stray(sim);
-  uint32_t mask = ((uint32_t)1 << place_bits(sim->vertex_count)) - 1;
+  uint32_t mask = ((uint32_t)1 << place_bits(sim)) - 1;
   // a cell is larger than the reach by more than the rounding of a coordinate
   cloth_bins bins = {(cloth_real)(1 / (1.001 * reach)), (cloth_real)reach, mask};
   return (cloth_bin_search_args){.bins = bins,
@@ -64,7 +65,7 @@ cloth_status cloth_spring_search(cloth_sim *sim, cloth_part *p, cloth_error *err
 {
   cloth_spring_part *s = &p->spring;
   const cloth_backend *be = sim->backend;
-  int bits = place_bits(sim->vertex_count);
+  int bits = place_bits(sim);
   CLOTH_TRY(take(sim, p, bits, err));
   if (cloth_springs_at_once(sim)) return CLOTH_OK; // the block of sub-steps finds for itself
   cloth_bin_search_args a = cloth_spring_find(sim, p);

@@ -74,7 +74,8 @@ __global__ void __launch_bounds__(CLOTH_CHUNK)
   cloth_box box = cloth_box_load(a.mesh.box, there ? t : 0);
   for (int l = begin; l < end; l++) {
     int other = (int)a.large[l];
-    bool hit = there && cloth_box_near(box, cloth_box_load(a.mesh.box, other), a.mesh.gap);
+    bool hit = there && cloth_box_near(box, cloth_box_load(a.mesh.box, other),
+                                       cloth_pair_gap(&a.mesh, t, other));
     unsigned hits = __ballot_sync(0xffffffffu, hit);
     if (hit) found[count + __popc(hits & ((1u << lane) - 1))] = make_int2(t, other);
     count = emit(&a.mesh, found, count + __popc(hits), false);

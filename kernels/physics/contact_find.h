@@ -32,6 +32,15 @@ CLOTH_FN int cloth_pair_near(const cloth_contact_scene *s, const cloth_contact_g
   return cloth_box_near(box[0], box[1], gap);
 }
 
+// Within which distance [m] swept features are looked at: free cloth falls side by side, but on
+// bodies.
+CLOTH_FN cloth_real cloth_contact_asked(const cloth_contact_scene *s,
+                                        const cloth_contact_geometry *g)
+{
+  int cloth = g->vertex[0] < s->cloth_vertices && g->vertex[3] < s->cloth_vertices;
+  return s->thickness + (cloth ? 0 : s->reach);
+}
+
 // as cloth_contact_motion(), to where inertia and gravity alone take the cloth
 CLOTH_FN cloth_v3 cloth_contact_flight(const cloth_contact_scene *s,
                                        const cloth_contact_geometry *g)
@@ -66,7 +75,7 @@ CLOTH_FN void cloth_contact_find(int i, const cloth_contact_find_args *a)
   int on_flat = cloth_contact_on_flat(s, pair); // no contact, but it may come to an impact
   if (on_flat && !a->close) return;
   cloth_pair_vertices(s, a->pair[i], &g);
-  if (!cloth_pair_near(s, &g, s->thickness + s->reach)) return;
+  if (!cloth_pair_near(s, &g, cloth_contact_asked(s, &g))) return;
   cloth_contact_measure(s->x_t0, &g);
   if (a->close && cloth_pair_close(s, &g, a->close_reach)) {
     uint32_t at = cloth_atomic_next(a->count + 1);

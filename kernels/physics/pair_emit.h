@@ -17,7 +17,8 @@ typedef struct cloth_pair_mesh {
   const int *edge;              // [edges x 2]
   const cloth_real *vertex_box; // [vertices x 6] m
   const cloth_real *box;        // [triangles x 6] m
-  cloth_real gap;               // m, distance at which a pair counts
+  cloth_real gap;               // m, distance at which a pair of cloth counts
+  cloth_real reach;             // m, that much farther where one of the two is a body's
   int self;                     // 1: cloth against cloth too
   int first, last;              // vertices of this part: pairs that touch none of them are left out
   int triangles_only;           // 1: report (cloth triangle, triangle) instead of features
@@ -27,6 +28,12 @@ typedef struct cloth_pair_mesh {
   uint32_t capacity;
   uint32_t *count; // [1] counts up, also past the capacity
 } cloth_pair_mesh;
+
+/// Distance [m] at which features of two triangles count.
+CLOTH_FN cloth_real cloth_pair_gap(const cloth_pair_mesh *m, int ta, int tb)
+{
+  return ta < m->cloth_triangles && tb < m->cloth_triangles ? m->gap : m->gap + m->reach;
+}
 
 CLOTH_FN int cloth_pair_mine(const cloth_pair_mesh *m, int v)
 {
@@ -38,13 +45,14 @@ CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int
 {
   const int *va = m->triangle + 3 * ta, *vb = m->triangle + 3 * tb;
   cloth_box face = cloth_box_load(m->box, tb);
+  cloth_real gap = cloth_pair_gap(m, ta, tb);
   int mine = cloth_pair_mine(m, vb[0]) || cloth_pair_mine(m, vb[1]) || cloth_pair_mine(m, vb[2]);
   uint32_t bits = 0;
   for (int k = 0; k < 3; k++) {
     int v = va[k];
     if (!(m->owns[ta] >> k & 1) || v == vb[0] || v == vb[1] || v == vb[2]) continue;
     if (!mine && !cloth_pair_mine(m, v)) continue;
-    if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, m->gap)) bits |= 1u << k;
+    if (cloth_box_near(cloth_box_load(m->vertex_box, v), face, gap)) bits |= 1u << k;
   }
   return bits;
 }
@@ -52,6 +60,7 @@ CLOTH_FN uint32_t cloth_pair_vertices_face(const cloth_pair_mesh *m, int ta, int
 // bit 3 i + k: edge i of ta may touch edge k of tb
 CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
 {
+  cloth_real gap = cloth_pair_gap(m, ta, tb);
   uint32_t bits = 0;
   for (int i = 0; i < 3; i++) {
     if (!(m->owns[ta] >> (3 + i) & 1)) continue;
@@ -67,7 +76,7 @@ CLOTH_FN uint32_t cloth_pair_edges(const cloth_pair_mesh *m, int ta, int tb)
         continue;
       cloth_box other =
           cloth_box_union(cloth_box_load(m->vertex_box, b0), cloth_box_load(m->vertex_box, b1));
-      if (cloth_box_near(box, other, m->gap)) bits |= 1u << (3 * i + k);
+      if (cloth_box_near(box, other, gap)) bits |= 1u << (3 * i + k);
     }
   }
   return bits;
@@ -86,7 +95,8 @@ CLOTH_FN uint32_t cloth_pair_sides(const cloth_pair_mesh *m, int face, int other
     at[k] = cloth_v3_add(cloth_v3_sub(box[k].lo, o), cloth_v3_sub(box[k].hi, o));
   cloth_v3 n = cloth_v3_cross(cloth_v3_sub(at[1], at[0]), cloth_v3_sub(at[2], at[0]));
   cloth_v3 wide = cloth_v3_make(cloth_fabs(n.x), cloth_fabs(n.y), cloth_fabs(n.z));
-  cloth_real highest = 0, lowest = 0, size = m->gap; // all heights are doubled
+  cloth_real gap = cloth_pair_gap(m, face, other);
+  cloth_real highest = 0, lowest = 0, size = gap; // all heights are doubled
   for (int k = 0; k < 3; k++) {
     cloth_v3 extent = cloth_v3_sub(box[k].hi, box[k].lo);
     cloth_real height = cloth_v3_dot(n, at[k]), reach = cloth_v3_dot(wide, extent);
@@ -94,7 +104,7 @@ CLOTH_FN uint32_t cloth_pair_sides(const cloth_pair_mesh *m, int face, int other
     lowest = k == 0 || height - reach < lowest ? height - reach : lowest;
     size += cloth_v3_sum_abs(at[k]) + cloth_v3_sum_abs(extent);
   }
-  cloth_real room = 2 * m->gap * cloth_v3_length(n);
+  cloth_real room = 2 * gap * cloth_v3_length(n);
   cloth_real rounding = 32 * CLOTH_REAL_EPSILON * (wide.x + wide.y + wide.z);
   uint32_t bits = 0;
   CLOTH_ROLLED for (int k = 0; k < 3; k++)
@@ -151,7 +161,9 @@ CLOTH_FN uint32_t cloth_pair_by_planes(const cloth_pair_mesh *m, int ta, int tb,
 /// another or one of a body.
 CLOTH_FN uint32_t cloth_pair_bits(const cloth_pair_mesh *m, int ta, int tb)
 {
-  if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb), m->gap)) return 0;
+  if (!cloth_box_near(cloth_box_load(m->box, ta), cloth_box_load(m->box, tb),
+                      cloth_pair_gap(m, ta, tb)))
+    return 0;
   if (m->triangles_only) // counted by the part of the lower one's first corner
     return (uint32_t)cloth_pair_mine(m, m->triangle[3 * (ta < tb ? ta : tb)]);
   uint32_t bits = cloth_pair_vertices_face(m, ta, tb) | cloth_pair_vertices_face(m, tb, ta) << 3 |

@@ -22,7 +22,7 @@ CLOTH_FN void cloth_pair_large_one(int i, int t, const cloth_pair_large_args *a)
 {
   int large = (int)a->large[i / a->chunks];
   cloth_box box = cloth_box_load(a->mesh.box, large);
-  if (cloth_box_near(cloth_box_load(a->mesh.box, t), box, a->mesh.gap))
+  if (cloth_box_near(cloth_box_load(a->mesh.box, t), box, cloth_pair_gap(&a->mesh, t, large)))
     cloth_pair_emit(&a->mesh, t, large);
 }
 

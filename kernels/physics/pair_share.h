@@ -39,7 +39,7 @@ CLOTH_FN int cloth_pair_meets(const cloth_pair_share_args *a, int e, int ta, int
   int self = tb < m->cloth_triangles;
   if (self && !m->self) return 0;
   cloth_box box_a = cloth_box_load(m->box, ta), box_b = cloth_box_load(m->box, tb);
-  if (!cloth_box_near(box_a, box_b, m->gap)) return 0;
+  if (!cloth_box_near(box_a, box_b, cloth_pair_gap(m, ta, tb))) return 0;
   cloth_v3 lo = cloth_v3_max(box_a.lo, box_b.lo);
   int x = cloth_grid_cell(&a->grid, 0, lo.x - a->cell_gap);
   int y = cloth_grid_cell(&a->grid, 1, lo.y - a->cell_gap);

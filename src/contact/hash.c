@@ -23,12 +23,15 @@ enum { CELLS_MOST = 1 << 10 };                         // along an axis: keys of
 
 typedef struct hash {
   cloth_grid grid;
-  double gap;   // m, distance at which a pair counts
+  double gap;   // m, distance at which a pair of cloth counts
+  double reach; // m, that much farther where one of the two is a body's
   double slack; // m, how far a vertex may stray
   int active;   // triangles: cloth, then near bodies
   int entries, units, large;
   cloth_pair_mesh mesh;
 } hash;
+
+static double widest(const hash *h) { return h->gap + h->reach; }
 
 // ---- regions -----------------------------------------------------------------------------------
 
@@ -120,12 +123,12 @@ static cloth_status grow_active(cloth_sim *sim, cloth_part *p, size_t active, cl
 static cloth_status count_cells(cloth_sim *sim, cloth_part *p, const hash *h, cloth_error *err)
 {
   CLOTH_TRY(grow_active(sim, p, (size_t)h->active, err));
-  CLOTH_TRY(cloth_ghosts_find(sim, p, &h->grid, h->gap / 2, err));
+  CLOTH_TRY(cloth_ghosts_find(sim, p, &h->grid, widest(h) / 2, err));
   cloth_triangle_box_args t = {0, p->triangle, p->vertex_box, p->ghost_near, p->triangle_box};
   CLOTH_LAUNCH(sim, p, triangle_box, sim->triangle_count, &t, err);
   CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_LARGE, err));
   cloth_cell_count_args count = {.grid = h->grid,
-                                 .gap = (cloth_real)(h->gap / 2),
+                                 .gap = (cloth_real)(widest(h) / 2),
                                  .cloth_triangles = sim->triangle_count,
                                  .body_triangle = p->body_triangle,
                                  .box = p->triangle_box,
@@ -155,7 +158,7 @@ static cloth_status read_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
     h->entries = (int)entries, h->large = (int)found[0];
     bool one = h->grid.size[0] == 1 && h->grid.size[1] == 1 && h->grid.size[2] == 1;
     if (one || (found[1] == 0 && entries <= usual)) return CLOTH_OK;
-    h->grid = choose_grid(sim, h->gap, h->slack, coarser);
+    h->grid = choose_grid(sim, widest(h), h->slack, coarser);
     CLOTH_TRY(count_cells(sim, p, h, err));
   }
 }
@@ -166,7 +169,7 @@ static cloth_status fill_cells(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
   if (h->entries == 0) return CLOTH_OK;
   CLOTH_TRY(grow_cells(sim, p, (size_t)h->entries, err));
   cloth_cell_fill_args fill = {.grid = h->grid,
-                               .gap = (cloth_real)(h->gap / 2),
+                               .gap = (cloth_real)(widest(h) / 2),
                                .cloth_triangles = sim->triangle_count,
                                .body_triangle = p->body_triangle,
                                .box = p->triangle_box,
@@ -200,7 +203,7 @@ static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
   h->mesh.key = p->pair, h->mesh.capacity = p->pair_capacity;
   CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_PAIRS, err));
   h->mesh.count = cloth_counter(p, CLOTH_COUNT_PAIRS);
-  cloth_pair_share_args share = {h->mesh,    h->grid,     (cloth_real)(h->gap / 2),
+  cloth_pair_share_args share = {h->mesh,    h->grid,     (cloth_real)(widest(h) / 2),
                                  h->entries, p->cell_key, p->cell_triangle,
                                  p->work};
   CLOTH_LAUNCH(sim, p, pair_share, (h->units + CLOTH_SHARE - 1) / CLOTH_SHARE, &share, err);
@@ -210,7 +213,7 @@ static cloth_status emit_pairs(cloth_sim *sim, cloth_part *p, hash *h, cloth_err
   return CLOTH_OK;
 }
 
-static cloth_pair_mesh mesh_of(const cloth_sim *sim, const cloth_part *p, double gap,
+static cloth_pair_mesh mesh_of(const cloth_sim *sim, const cloth_part *p, const hash *h,
                                cloth_pairs_wanted wanted)
 {
   cloth_pair_mesh mesh = {.cloth_vertices = sim->vertex_count,
@@ -221,7 +224,8 @@ static cloth_pair_mesh mesh_of(const cloth_sim *sim, const cloth_part *p, double
                           .edge = p->edge,
                           .vertex_box = p->vertex_box,
                           .box = p->triangle_box,
-                          .gap = (cloth_real)gap,
+                          .gap = (cloth_real)h->gap,
+                          .reach = (cloth_real)h->reach,
                           .self = sim->active[CLOTH_EFFECT_self_contact] &&
                                   wanted != CLOTH_PAIRS_BODY_TRIANGLES,
                           .first = p->v0,
@@ -242,7 +246,7 @@ static cloth_status begin(cloth_sim *sim, cloth_part *p, hash *h, cloth_pairs_wa
   h->active = sim->triangle_count + near;
   CLOTH_TRY(make_boxes(sim, p, h->slack, wanted == CLOTH_PAIRS_FEATURES, err));
   CLOTH_TRY(count_cells(sim, p, h, err));
-  h->mesh = mesh_of(sim, p, h->gap, wanted);
+  h->mesh = mesh_of(sim, p, h, wanted);
   return CLOTH_OK;
 }
 
@@ -280,11 +284,15 @@ static cloth_status end(cloth_sim *sim, cloth_part *p, hash *h, cloth_error *err
 }
 
 cloth_status cloth_pairs_of_parts(cloth_sim *sim, cloth_part *part, int parts, double gap,
-                                  double slack, cloth_pairs_wanted wanted, cloth_error *err)
+                                  double reach, double slack, cloth_pairs_wanted wanted,
+                                  cloth_error *err)
 {
   hash h[CLOTH_DEVICES_MAX];
   for (int i = 0; i < parts; i++) {
-    h[i] = (hash){.grid = choose_grid(sim, gap, slack, 1), .gap = gap, .slack = slack};
+    h[i] = (hash){.grid = choose_grid(sim, gap + reach, slack, 1),
+                  .gap = gap,
+                  .reach = reach,
+                  .slack = slack};
     CLOTH_TRY(begin(sim, &part[i], &h[i], wanted, err));
   }
   for (int i = 0; i < parts; i++) CLOTH_TRY(sort_and_weigh(sim, &part[i], &h[i], err));

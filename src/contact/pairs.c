@@ -95,14 +95,14 @@ cloth_status cloth_pairs_escaped(cloth_sim *sim, bool *escaped, cloth_error *err
 
 // ---- the stage ---------------------------------------------------------------------------------
 
-static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error *err)
+static cloth_status search(cloth_sim *sim, double gap, cloth_error *err)
 {
   sim->report->pair_searches++;
   sim->report->pairs = 0;
   sim->close_known = sim->close_covers = false;
   cloth_watch_forget(sim);
-  CLOTH_TRY(
-      cloth_pairs_of_parts(sim, sim->part, sim->part_count, gap, slack, CLOTH_PAIRS_FEATURES, err));
+  CLOTH_TRY(cloth_pairs_of_parts(sim, sim->part, sim->part_count, gap, sim->pairs_reach,
+                                 sim->params.pair_slack, CLOTH_PAIRS_FEATURES, err));
   sim->region_lost = CLOTH_REGION_LOST_NONE; // their levels are set
   for (int p = 0; p < sim->part_count; p++)  // a pair on a border is counted by each of its parts
     sim->report->pairs += sim->part[p].pair_count;
@@ -112,14 +112,15 @@ static cloth_status search(cloth_sim *sim, double gap, double slack, cloth_error
 cloth_status cloth_pairs_search(cloth_sim *sim, cloth_error *err)
 {
   sim->pairs_reach = cloth_contact_reach(sim);
-  CLOTH_TRY(search(sim, sim->params.thickness + sim->pairs_reach, sim->params.pair_slack, err));
+  CLOTH_TRY(search(sim, sim->params.thickness, err));
   sim->pairs_valid = sim->pairs_for_contacts = true;
   return CLOTH_OK;
 }
 
 cloth_status cloth_pairs_search_impacts(cloth_sim *sim, double gap, cloth_error *err)
 {
-  CLOTH_TRY(search(sim, gap, sim->params.pair_slack, err));
+  sim->pairs_reach = 0;
+  CLOTH_TRY(search(sim, gap, err));
   sim->pairs_valid = true, sim->pairs_for_contacts = false;
   return CLOTH_OK;
 }

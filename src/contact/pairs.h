@@ -12,6 +12,8 @@ typedef enum cloth_pairs_wanted {
 } cloth_pairs_wanted;
 
 /// Search the pairs of `parts` parts into part->pair (contact/hash.c). gap: distance [m] at which a
-/// pair counts; slack: how far a vertex may stray [m].
+/// pair of cloth counts, reach: how much farther one with a body does [m]; slack: how far a vertex
+/// may stray [m].
 cloth_status cloth_pairs_of_parts(cloth_sim *sim, cloth_part *part, int parts, double gap,
-                                  double slack, cloth_pairs_wanted wanted, cloth_error *err);
+                                  double reach, double slack, cloth_pairs_wanted wanted,
+                                  cloth_error *err);

@@ -62,7 +62,7 @@ cloth_status cloth_sim_body_pairs(void *data, double margin, cloth_body_pair *ou
   CLOTH_TRY(freeze(sim, margin, err));
   for (int p = 0; p < sim->part_count; p++) {
     cloth_part *part = &sim->part[p];
-    CLOTH_TRY(cloth_pairs_of_parts(sim, part, 1, margin, 0, CLOTH_PAIRS_BODY_TRIANGLES, err));
+    CLOTH_TRY(cloth_pairs_of_parts(sim, part, 1, margin, 0, 0, CLOTH_PAIRS_BODY_TRIANGLES, err));
     cloth_body_pair *all = malloc(sizeof *all * ((size_t)part->pair_count + 1));
     if (all == NULL) CLOTH_FAIL(err, CLOTH_NO_MEMORY, "body pairs");
     cloth_status status = read_pairs(sim, part, all, err);

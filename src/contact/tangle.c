@@ -52,7 +52,7 @@ static cloth_status grow_list(cloth_tangle_list *t, int n, cloth_error *err)
 
 static cloth_status find_on_part(cloth_sim *sim, cloth_part *p, uint32_t *count, cloth_error *err)
 {
-  CLOTH_TRY(cloth_pairs_of_parts(sim, p, 1, 0, 0, CLOTH_PAIRS_TRIANGLES, err));
+  CLOTH_TRY(cloth_pairs_of_parts(sim, p, 1, 0, 0, 0, CLOTH_PAIRS_TRIANGLES, err));
   for (;;) {
     CLOTH_TRY(cloth_count_clear(sim, p, CLOTH_COUNT_TANGLES, err));
     cloth_tangle_find_args a = {cloth_contact_scene_of(sim, p),

@@ -46,6 +46,10 @@ typedef struct cloth_backend {
   void (*release)(cloth_device *device, void *memory);
   cloth_status (*write)(cloth_device *device, void *dst, const void *host, size_t bytes, cloth_error *err);
   cloth_status (*read)(cloth_device *device, void *host, const void *src, size_t bytes, cloth_error *err);
+  // NULL where a read costs nothing. The next read() also reads this, as it is then; until that has
+  // returned, *host must live.
+  cloth_status (*read_with)(cloth_device *device, void *host, const void *src, size_t bytes,
+                            cloth_error *err);
   cloth_status (*copy)(cloth_device *from, cloth_device *to, void *dst, const void *src, size_t bytes,
                        cloth_error *err);
   cloth_status (*move)(cloth_device *device, void *dst, const void *src, size_t bytes, cloth_error *err);

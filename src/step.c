@@ -60,6 +60,8 @@ static cloth_status stand(cloth_sim *sim, cloth_error *err)
     cloth_body_settle(sim); // worked out when there is room again
   }
   report->substeps++;
+  report->contacts_self = (int)sim->along.totals[0];
+  report->contacts_body = (int)sim->along.totals[1];
   report->impacts_left += left;
   report->newton_correction = fmax(report->newton_correction, sim->correction);
   report->error_estimate = fmax(report->error_estimate, sim->error_estimate);
@@ -212,6 +214,7 @@ static void begin_report(cloth_sim *sim, cloth_step_report *report, double h)
 {
   *report = (cloth_step_report){
       .step_size = h, .vertices = sim->vertex_count, .triangles = sim->triangle_count};
+  sim->along = (cloth_along){0};
   report->stages_skipped = ((uint64_t)1 << CLOTH_STAGE_COUNT) - 1;
   sim->report = report;
 }

@@ -78,12 +78,13 @@ static cloth_status solve(cloth_sim *sim, int first, int last, int further, clot
   sim->iteration_first = first;
   for (int n = first; n < last; n++) {
     bool settled;
-    sim->iteration = n;
+    sim->iteration = n, sim->iteration_last = last - 1;
     STAGE(effects, cloth_effects_apply(sim, n, err)); // effect/effect.c    forces, tangents
     STAGE(assemble, cloth_assemble(sim, err));        // solve/assemble.c   block rows
     STAGE(solve, cloth_pcg(sim, &correction, err));   // solve/pcg.c        A dx = b, n parts
     if (n + 1 == last && last < most && !(correction <= UNSETTLED * sim->mean_edge)) last++;
-    if (!(correction <= sim->params.newton_tolerance * sim->params.thickness)) continue;
+    if (n + 1 == last || !(correction <= sim->params.newton_tolerance * sim->params.thickness))
+      continue;
     CLOTH_TRY(cloth_friction_settled(sim, &settled, err)); // contact/friction.c sticks or slides
     if (settled) break;
   }
@@ -236,7 +237,8 @@ cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cloth_c
   else if (*result == OUTCOME_GOOD && is_far_from_linear(sim))
     *result = OUTCOME_ROUGH;
   bool good;
-  STAGE(commit, cloth_commit(sim, &good, err)); // state/commit.c     v = (x - x0) / h
+  if (to == 1) CLOTH_TRY(cloth_stretch_look(sim, err)); // state/stretch.c  for the report
+  STAGE(commit, cloth_commit(sim, &good, err));         // state/commit.c     v = (x - x0) / h
   if (!good) *result = OUTCOME_UNSTABLE;
   return CLOTH_OK;
 }

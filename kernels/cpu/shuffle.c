@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_DEVICES = 16, MAX_JOBS = 4096, MAX_ARGS = 512 };
+enum { MAX_DEVICES = 16, MAX_JOBS = 4096, MAX_ARGS = 512, MAX_READS = 16 };
 
 struct cloth_event {
   int issued; // records queued so far
@@ -32,9 +32,17 @@ typedef struct job {
   _Alignas(max_align_t) unsigned char args[MAX_ARGS];
 } job;
 
+typedef struct promise { // of a read
+  void *host;
+  const void *src;
+  size_t bytes;
+} promise;
+
 struct cloth_device {
   job *jobs[CLOTH_QUEUE_COUNT];
   int head[CLOTH_QUEUE_COUNT], tail[CLOTH_QUEUE_COUNT];
+  promise promised[MAX_READS]; // with the next read
+  int promises;
 };
 
 // the backend is a process-wide test tool; its open devices and its dice are its only state
@@ -230,6 +238,25 @@ static cloth_status put(cloth_device *d, void *dst, const void *src, size_t byte
   return CLOTH_OK;
 }
 
+static cloth_status get(cloth_device *d, void *host, const void *src, size_t bytes,
+                        cloth_error *err)
+{
+  CLOTH_TRY(put(d, host, src, bytes, err));
+  for (int k = 0; k < d->promises; k++)
+    memcpy(d->promised[k].host, d->promised[k].src, d->promised[k].bytes);
+  d->promises = 0;
+  return CLOTH_OK;
+}
+
+static cloth_status get_with(cloth_device *d, void *host, const void *src, size_t bytes,
+                             cloth_error *err)
+{
+  if (d->promises == MAX_READS) return get(d, host, src, bytes, err);
+  memset(host, 0xff, bytes); // looking before the read is visible
+  d->promised[d->promises++] = (promise){host, src, bytes};
+  return CLOTH_OK;
+}
+
 const cloth_backend *cloth_backend_shuffle(unsigned seed)
 {
   static const cloth_backend backend = {
@@ -242,7 +269,8 @@ const cloth_backend *cloth_backend_shuffle(unsigned seed)
       .alloc = alloc,
       .release = release,
       .write = put,
-      .read = put,
+      .read = get,
+      .read_with = get_with,
       .copy = copy,
       .move = move,
       .fill = fill,

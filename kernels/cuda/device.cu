@@ -11,9 +11,10 @@ namespace {
 
 enum : size_t {
   PINNED_BYTES = 1 << 20, // for data; behind them lies the number of the last read
-  FEW_BYTES = 1 << 13     // that a kernel hands to the host
+  FEW_BYTES = 1 << 13     // of a run that a kernel hands to the host
 };
 enum { POST_THREADS = 256, LOOKS = 1 << 14 };
+static_assert(CLOTH_POSTS * FEW_BYTES <= PINNED_BYTES, "room for all runs");
 
 const char *name_of(cudaError_t e) { return cudaGetErrorString(e); }
 
@@ -151,23 +152,34 @@ cloth_status write_device(cloth_device *d, void *dst, const void *host, size_t b
 
 // A few numbers go faster when a kernel writes them where the host looks: a copy would have to be
 // started, and the host be told of its end.
-__global__ void post_kernel(const uint32_t *from, int words, uint32_t *to, unsigned *posted,
-                            unsigned number)
+struct posts {
+  cloth_post run[CLOTH_POSTS];
+};
+
+__global__ void post_kernel(const __grid_constant__ posts p, int runs, uint32_t *to,
+                            unsigned *posted, unsigned number)
 {
-  for (int k = (int)threadIdx.x; k < words; k += (int)blockDim.x) to[k] = from[k];
+  for (int r = 0; r < runs; to += p.run[r].words, r++)
+    for (int k = (int)threadIdx.x; k < p.run[r].words; k += (int)blockDim.x)
+      to[k] = p.run[r].from[k];
   __threadfence_system();
   __syncthreads();
   if (threadIdx.x == 0) *static_cast<volatile unsigned *>(posted) = number;
 }
 
-cloth_status read_few(cloth_device *d, void *host, const void *src, size_t bytes, cloth_error *err)
+// all that is to be read
+cloth_status read_few(cloth_device *d, cloth_error *err)
 {
+  posts p = {};
+  int runs = d->posts;
   CUDA_TRY(err, cudaSetDevice(d->index));
   cudaStream_t stream = d->stream[CLOTH_COMPUTE];
   auto *posted = reinterpret_cast<unsigned *>(static_cast<char *>(d->pinned) + PINNED_BYTES);
   unsigned number = ++d->reads;
-  post_kernel<<<1, POST_THREADS, 0, stream>>>(static_cast<const uint32_t *>(src), (int)bytes / 4,
-                                              static_cast<uint32_t *>(d->pinned), posted, number);
+  std::memcpy(p.run, d->post, sizeof p.run);
+  d->posts = 0; // also where it fails: nothing is left to a later read
+  post_kernel<<<1, POST_THREADS, 0, stream>>>(p, runs, static_cast<uint32_t *>(d->pinned), posted,
+                                              number);
   CUDA_TRY(err, cudaGetLastError());
   for (int look = 1; *static_cast<volatile unsigned *>(posted) != number; look++) {
     if (look % LOOKS > 0) continue; // now and then: is the device still there?
@@ -175,16 +187,33 @@ cloth_status read_few(cloth_device *d, void *host, const void *src, size_t bytes
     if (e != cudaSuccess && e != cudaErrorNotReady) CUDA_TRY(err, e);
   }
   std::atomic_thread_fence(std::memory_order_acquire);
-  std::memcpy(host, d->pinned, bytes);
+  const char *from = static_cast<const char *>(d->pinned);
+  for (int r = 0; r < runs; from += sizeof(uint32_t) * (size_t)p.run[r].words, r++)
+    std::memcpy(p.run[r].host, from, sizeof(uint32_t) * (size_t)p.run[r].words);
   return CLOTH_OK;
+}
+
+// Put it on the list; false: it is not few words.
+bool post(cloth_device *d, void *host, const void *src, size_t bytes)
+{
+  bool words = bytes % 4 == 0 && reinterpret_cast<uintptr_t>(src) % 4 == 0;
+  if (bytes == 0 || bytes > FEW_BYTES || !words) return false;
+  d->post[d->posts++] = {static_cast<const uint32_t *>(src), host, (int)(bytes / 4)};
+  return true;
 }
 
 cloth_status read_device(cloth_device *d, void *host, const void *src, size_t bytes,
                          cloth_error *err)
 {
-  bool words = bytes % 4 == 0 && reinterpret_cast<uintptr_t>(src) % 4 == 0;
-  if (bytes > 0 && bytes <= FEW_BYTES && words) return read_few(d, host, src, bytes, err);
+  if (post(d, host, src, bytes)) return read_few(d, err);
+  if (d->posts > 0) CLOTH_TRY(read_few(d, err));
   return transfer(d, host, src, bytes, true, err);
+}
+
+cloth_status read_with(cloth_device *d, void *host, const void *src, size_t bytes, cloth_error *err)
+{
+  if (d->posts < CLOTH_POSTS - 1 && post(d, host, src, bytes)) return CLOTH_OK;
+  return read_device(d, host, src, bytes, err);
 }
 
 cloth_status copy(cloth_device *from, cloth_device *to, void *dst, const void *src, size_t bytes,
@@ -307,7 +336,7 @@ extern "C" const cloth_backend *cloth_backend_cuda(void)
     b.device_count = device_count;
     b.open = open_device, b.close = close_device;
     b.alloc = alloc, b.release = release;
-    b.write = write_device, b.read = read_device;
+    b.write = write_device, b.read = read_device, b.read_with = read_with;
     b.copy = copy, b.move = move, b.fill = fill;
     b.solve = cloth_cuda_solve;
     b.joined = cloth_cuda_joined, b.solve_parts = cloth_cuda_solve_parts;

@@ -5,12 +5,23 @@
 
 #include <cuda_runtime_api.h>
 
+enum { CLOTH_POSTS = 4 }; // runs of few numbers that one read hands to the host
+
+/// Words that go from the device to the host.
+struct cloth_post {
+  const uint32_t *from;
+  void *host;
+  int words;
+};
+
 struct cloth_device {
   int index;
   cudaStream_t stream[CLOTH_QUEUE_COUNT];
-  void *pinned;   // staging of reads and writes, PINNED_BYTES and a number
-  unsigned reads; // of few bytes so far
-  void *scratch;  // of sort, scan and solve: grown, kept
+  void *pinned;                 // staging of reads and writes, PINNED_BYTES and a number
+  unsigned reads;               // of few bytes so far
+  cloth_post post[CLOTH_POSTS]; // what the next read reads; the last one is that read's own
+  int posts;
+  void *scratch; // of sort, scan and solve: grown, kept
   size_t scratch_bytes;
   int multiprocessors;
   size_t shared_bytes; // most a block may ask for

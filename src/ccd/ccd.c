@@ -92,13 +92,14 @@ static cloth_status grow_found_on_part(cloth_sim *sim, cloth_part *p, const uint
   return CLOTH_OK;
 }
 
-// how many impacts and driven pairs there are, and again with more room where it was too small
-static cloth_status count_found(cloth_sim *sim, cloth_part *p, bool moved, uint32_t count[2],
-                                cloth_error *err)
+// how many impacts and driven pairs there are, and again with more room where it was too small;
+// known: it has been read
+static cloth_status count_found(cloth_sim *sim, cloth_part *p, bool moved, bool known,
+                                uint32_t count[2], cloth_error *err)
 {
   const cloth_zone_part *z = &p->zone;
-  for (;;) {
-    CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_IMPACTS, count, err));
+  for (;; known = false) {
+    if (!known) CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_IMPACTS, count, err));
     if (count[0] <= z->found_capacity && count[1] <= z->driven_capacity) return CLOTH_OK;
     CLOTH_TRY(grow_found_on_part(sim, p, count, err));
     CLOTH_TRY(find_on_part(sim, p, moved, err));
@@ -150,22 +151,28 @@ static void sort_found(cloth_zones *z)
   z->driven_count = unique;
 }
 
-cloth_status cloth_impacts_find(cloth_sim *sim, bool moved, cloth_error *err)
+// what all parts have found
+static cloth_status take_found(cloth_sim *sim, bool moved, bool known, cloth_error *err)
 {
   cloth_zones *z = &sim->zones;
   z->found_count = 0;
   if (!moved) z->driven_count = 0; // zones move nothing that is driven
-  // all look before the host asks the first how many it found
-  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(find_on_part(sim, &sim->part[i], moved, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
-    uint32_t count[2];
-    CLOTH_TRY(count_found(sim, p, moved, count, err));
+    uint32_t count[2] = {sim->along.impacts[0], sim->along.impacts[1]};
+    CLOTH_TRY(count_found(sim, p, moved, known, count, err));
     CLOTH_TRY(read_found(sim, p, count[0], err));
     CLOTH_TRY(read_driven(sim, p, count[1], err));
   }
   sort_found(z);
   return CLOTH_OK;
+}
+
+cloth_status cloth_impacts_find(cloth_sim *sim, bool moved, cloth_error *err)
+{
+  // all look before the host asks the first how many it found
+  for (int i = 0; i < sim->part_count; i++) CLOTH_TRY(find_on_part(sim, &sim->part[i], moved, err));
+  return take_found(sim, moved, false, err);
 }
 
 int cloth_impacts_of_cloth(const cloth_sim *sim)
@@ -238,10 +245,30 @@ static cloth_status remember_solved(cloth_sim *sim, cloth_error *err)
   return CLOTH_OK;
 }
 
+// Most of the time the pairs still cover all paths. So impacts are looked for before that is known,
+// and both answers come at once; unless the last look was for nothing, or the answer decides what
+// is to be looked at.
+static bool looks_at_once(const cloth_sim *sim)
+{
+  return sim->pairs_valid && !sim->close_known && !sim->zones.searched && cloth_reads_along(sim);
+}
+
 cloth_status cloth_ccd_detect(cloth_sim *sim, int *impacts, cloth_error *err)
 {
+  bool at_once = looks_at_once(sim);
+  int searches = sim->report->pair_searches;
+  if (at_once) {
+    cloth_part *p = &sim->part[0];
+    CLOTH_TRY(find_on_part(sim, p, false, err));
+    CLOTH_TRY(cloth_read_along(sim, sim->along.impacts, cloth_counter(p, CLOTH_COUNT_IMPACTS),
+                               sizeof sim->along.impacts, err));
+  }
   CLOTH_TRY(cloth_impacts_cover(sim, err));
-  CLOTH_TRY(cloth_impacts_find(sim, false, err));
+  sim->zones.searched = sim->report->pair_searches > searches;
+  if (at_once && !sim->zones.searched)
+    CLOTH_TRY(take_found(sim, false, true, err));
+  else
+    CLOTH_TRY(cloth_impacts_find(sim, false, err));
   *impacts = sim->zones.found_count;
   return CLOTH_OK;
 }

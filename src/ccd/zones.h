@@ -51,6 +51,7 @@ typedef struct cloth_zones {
   int *deal;            // [zones] zones of one part
   int *owner;           // [vertices] a constraint that moves it, or -1; later its place in `moving`
   int held_back;        // pairs that the last resolution left to the failsafe
+  bool searched;        // pairs were searched anew when impacts were last looked for
   bool carried;         // the failsafe is at work: what rides on one carrier has no impact
   unsigned char *fixed; // [vertices] 1: held rigidly; all 0 outside cloth_zones_add()
 } cloth_zones;

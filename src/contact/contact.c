@@ -292,7 +292,8 @@ cloth_status cloth_contact_apply(cloth_sim *sim, int iteration, cloth_error *err
 
 cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err)
 {
-  sim->report->contacts_self = sim->report->contacts_body = 0;
+  uint32_t *total = sim->along.totals;
+  total[0] = total[1] = 0;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     if (p->contact_count == 0) continue;
@@ -309,9 +310,10 @@ cloth_status cloth_contact_totals(cloth_sim *sim, cloth_error *err)
     cloth_part *p = &sim->part[i];
     uint32_t count[2];
     if (p->contact_count == 0) continue;
+    if (cloth_reads_along(sim))
+      return cloth_read_along(sim, total, cloth_counter(p, CLOTH_COUNT_TOTALS), sizeof count, err);
     CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_TOTALS, count, err));
-    sim->report->contacts_self += (int)count[0];
-    sim->report->contacts_body += (int)count[1];
+    total[0] += count[0], total[1] += count[1];
   }
   return CLOTH_OK;
 }

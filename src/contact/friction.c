@@ -66,10 +66,9 @@ cloth_status cloth_friction_begin(cloth_sim *sim, cloth_part *p, cloth_error *er
   return CLOTH_OK;
 }
 
-cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *err)
+// The parts count the contacts that the last solve did not leave where it took them to be.
+static cloth_status count_unsettled(cloth_sim *sim, cloth_error *err)
 {
-  *settled = true;
-  if (!sim->active[CLOTH_EFFECT_friction]) return CLOTH_OK;
   sim->owner = CLOTH_EFFECT_friction;
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
@@ -94,6 +93,32 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
                                    .count = cloth_counter(p, CLOTH_COUNT_UNSETTLED)};
     CLOTH_LAUNCH(sim, p, friction_check, p->contact_count, &a, err);
   }
+  sim->owner = CLOTH_CORE;
+  return CLOTH_OK;
+}
+
+cloth_status cloth_friction_look(cloth_sim *sim, cloth_error *err)
+{
+  cloth_along *along = &sim->along;
+  cloth_part *p = &sim->part[0];
+  along->friction =
+      !sim->asked.last && sim->active[CLOTH_EFFECT_friction] && cloth_reads_along(sim);
+  along->unsettled = 0;
+  if (!along->friction || p->contact_count == 0) return CLOTH_OK;
+  CLOTH_TRY(count_unsettled(sim, err));
+  return cloth_read_along(sim, &along->unsettled, cloth_counter(p, CLOTH_COUNT_UNSETTLED),
+                          sizeof along->unsettled, err);
+}
+
+cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *err)
+{
+  *settled = true;
+  if (!sim->active[CLOTH_EFFECT_friction]) return CLOTH_OK;
+  if (sim->along.friction) {
+    *settled = sim->along.unsettled == 0;
+    return CLOTH_OK;
+  }
+  CLOTH_TRY(count_unsettled(sim, err));
   for (int i = 0; i < sim->part_count; i++) {
     cloth_part *p = &sim->part[i];
     uint32_t count;
@@ -101,7 +126,6 @@ cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *
     CLOTH_TRY(cloth_count_read(sim, p, CLOTH_COUNT_UNSETTLED, &count, err));
     *settled = *settled && count == 0;
   }
-  sim->owner = CLOTH_CORE;
   return CLOTH_OK;
 }
 

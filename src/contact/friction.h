@@ -15,6 +15,10 @@ cloth_real cloth_friction_limit(const cloth_sim *sim);
 /// The elastic slip with which the contacts of a part start, after they were built.
 cloth_status cloth_friction_begin(cloth_sim *sim, cloth_part *part, cloth_error *err);
 
+/// After a linear solve that may not be the last: what cloth_friction_settled() will ask, so that
+/// it comes with what the host reads of the solve.
+cloth_status cloth_friction_look(cloth_sim *sim, cloth_error *err);
+
 /// Do all contacts still stick or slide as the last solve took them to?
 cloth_status cloth_friction_settled(cloth_sim *sim, bool *settled, cloth_error *err);
 

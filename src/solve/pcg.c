@@ -9,6 +9,7 @@
 #include "coarse_solve.h"
 #include "coarse_sum.h"
 #include "contact/contact.h"
+#include "contact/friction.h"
 #include "contact_product.h"
 #include "correct.h"
 #include "pcg_alpha.h"
@@ -382,6 +383,7 @@ cloth_status cloth_solve(cloth_sim *sim, cloth_real scalar[CLOTH_PCG_SCALARS], c
     CLOTH_TRY(residual(sim, err));
     CLOTH_TRY(correct(sim, err));
   }
+  CLOTH_TRY(cloth_friction_look(sim, err));
   CLOTH_TRY(read_scalars(sim, scalar, err));
   if (scalar[CLOTH_PCG_LOST] > 0)
     CLOTH_FAIL(err, CLOTH_DEVICE_LOST, "a device did not answer the others within a solve");
@@ -408,7 +410,8 @@ cloth_status cloth_pcg(cloth_sim *sim, double *correction, cloth_error *err)
   cloth_real scalar[CLOTH_PCG_SCALARS];
   sim->asked = (cloth_asked){.tolerance = sim->params.pcg_tolerance,
                              .iterations_max = sim->params.pcg_iterations_max,
-                             .first = sim->iteration == sim->iteration_first};
+                             .first = sim->iteration == sim->iteration_first,
+                             .last = sim->iteration == sim->iteration_last};
   CLOTH_TRY(coarsen(sim, err));
   CLOTH_TRY(cloth_solve(sim, scalar, err));
   *correction = (double)scalar[CLOTH_PCG_LARGEST];

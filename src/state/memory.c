@@ -208,6 +208,17 @@ cloth_status cloth_read_largest(cloth_sim *sim, cloth_part *part, const cloth_re
   return CLOTH_OK;
 }
 
+bool cloth_reads_along(const cloth_sim *sim)
+{
+  return sim->part_count == 1 && sim->backend->read_with != NULL;
+}
+
+cloth_status cloth_read_along(cloth_sim *sim, void *host, const void *src, size_t bytes,
+                              cloth_error *err)
+{
+  return sim->backend->read_with(sim->part[0].device, host, src, bytes, err);
+}
+
 cloth_status cloth_launch(cloth_sim *sim, cloth_part *part, cloth_kernel k, int n, const void *args,
                           cloth_error *err)
 {

@@ -46,6 +46,15 @@ cloth_status cloth_launch_spring_block(cloth_sim *sim, cloth_part *part,
 cloth_status cloth_read_largest(cloth_sim *sim, cloth_part *part, const cloth_real *from, int n,
                                 double *out, cloth_error *err);
 
+/// Can numbers come with a read that the host waits for anyway? Of one part alone, and where a read
+/// costs time.
+bool cloth_reads_along(const cloth_sim *sim);
+
+/// Read these with the next read of the first part, where cloth_reads_along(); until then *host
+/// must live: it is in sim->along.
+cloth_status cloth_read_along(cloth_sim *sim, void *host, const void *src, size_t bytes,
+                              cloth_error *err);
+
 /// Host staging of at least this many cloth_real.
 cloth_status cloth_staging(cloth_sim *sim, size_t reals, cloth_error *err);
 

@@ -93,11 +93,26 @@ typedef struct cloth_hold_state {
   int first; // in the held list
 } cloth_hold_state;
 
+enum { CLOTH_STRETCH_READ = 256 }; // more numbers are reduced on the device before they are read
+
+/// Numbers that come with a read that the host waits for anyway (cloth_read_along()): a small scene
+/// waits ten times a step, longer than some of its kernels run.
+typedef struct cloth_along {
+  bool friction; // `unsettled` is of the last solve
+  bool stretch;  // `stretched` is of the end of the step
+  int stretched_count;
+  uint32_t unsettled;  // contacts, friction_check.h
+  uint32_t impacts[2]; // ccd/ccd.c
+  uint32_t totals[2];  // contacts of cloth with cloth, with bodies
+  cloth_real stretched[CLOTH_STRETCH_READ];
+} cloth_along;
+
 /// What a linear solve is asked for.
 typedef struct cloth_asked {
   double tolerance; // relative residual
   int iterations_max;
   bool first; // later ones are measured against this one
+  bool last;  // no other follows, whatever it leaves
 } cloth_asked;
 
 struct cloth_sim {
@@ -167,9 +182,11 @@ struct cloth_sim {
   double gamma;     // s, length of the backward Euler step that it is: h, but for bdf2
   cloth_bdf2 bdf2;
   int iteration;       // Newton iteration of this substep
+  int iteration_last;  // the last one as far as is known
   int iteration_first; // the one against whose right-hand side this one is measured
   cloth_asked asked;   // of the linear solve that runs
-  bool solve_failed;   // the last linear solve said that it had converged, and had not; or ran away
+  cloth_along along;
+  bool solve_failed; // the last linear solve said that it had converged, and had not; or ran away
   double *mean_velocity,
       *acceleration;       // [cloths x 3] of the last substep, m/s and m/s^2: predict.h
   bool mean_known;         // mean_velocity is that of the state
@@ -266,6 +283,8 @@ bool cloth_rescue_probe(cloth_sim *sim);
 cloth_part *cloth_rescue_part(cloth_sim *sim);
 /// Into the report: the largest stretch of any triangle at x_t0 (state/stretch.c).
 cloth_status cloth_stretch_measure(cloth_sim *sim, cloth_error *err);
+/// At the end of the last substep, at x: so that it comes with what the host reads of that.
+cloth_status cloth_stretch_look(cloth_sim *sim, cloth_error *err);
 /// After x went elsewhere than predicted: the box anew, and bodies that it now meets become near.
 cloth_status cloth_bodies_join(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are

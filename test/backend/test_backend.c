@@ -1,6 +1,7 @@
 // The CPU backends: sort and scan against the plain way, and that the shuffle backend makes a
 // missing wait visible and never punishes a correct program. Data change between passes, or a stale
 // read would read the right value.
+#include "along.h"
 #include "solve/sim.h"
 
 enum { MOST = 5000, PASSES = 20 };
@@ -140,6 +141,11 @@ static int moves_come_behind_what_was_queued_before(void)
   return 0;
 }
 
+static int shuffled_reads_along_come_with_the_next_read(void)
+{
+  return what_is_read_along_comes_with_the_next_read(cloth_backend_shuffle(3));
+}
+
 static int shuffled_memory_is_not_zero_by_luck(void)
 {
   const cloth_backend *be = cloth_backend_shuffle(1);
@@ -188,6 +194,7 @@ int main(int argc, char **argv)
   RUN(scan_is_the_sum_of_what_came_before);
   RUN(shuffle_shows_a_missing_wait_and_spares_a_correct_program);
   RUN(moves_come_behind_what_was_queued_before);
+  RUN(shuffled_reads_along_come_with_the_next_read);
   RUN(shuffled_memory_is_not_zero_by_luck);
   RUN(every_seed_gives_the_same_step);
   return failures > 0;

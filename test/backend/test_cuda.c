@@ -1,6 +1,7 @@
 // The CUDA backend against the CPU: sort, scan, copies and events by themselves; then whole steps,
 // after which every buffer of the scene, the output of every kernel among them, holds the same
 // bits. Only lists that threads append to are compared as sets. Skipped where there is no GPU.
+#include "along.h"
 #include "solve/sim.h"
 
 enum { MOST = 300000, SMALL_MOST = 4096 }; // rows of a system that one cluster of blocks solves
@@ -96,6 +97,11 @@ static int reads_of_any_size_and_place_are_whole(void)
   }
   cuda->release(d, a), cuda->release(d, b), cuda->close(d);
   return 0;
+}
+
+static int reads_along_come_with_the_next_read(void)
+{
+  return what_is_read_along_comes_with_the_next_read(cuda);
 }
 
 // two devices of one GPU pass a number to and fro; without the events the copies would overtake
@@ -361,6 +367,7 @@ int main(int argc, char **argv)
   RUN_ON(gpu, sort_gives_what_the_cpu_gives);
   RUN_ON(gpu, scan_gives_what_the_cpu_gives);
   RUN_ON(gpu, reads_of_any_size_and_place_are_whole);
+  RUN_ON(gpu, reads_along_come_with_the_next_read);
   RUN_ON(gpu, events_order_what_copies_carry);
   RUN_ON(gpu, what_does_not_fit_is_refused_and_the_device_lives);
   RUN_ON(gpu, every_buffer_of_a_step_holds_the_bits_of_the_cpu);

@@ -243,7 +243,8 @@ struct mover {
     cloth_spring_particle p = here.kept_of[threadIdx.x].p;
     cloth_v3 impulse = cloth_v3_make(0, 0, 0);
     x = here.position(place), v = here.velocity(place);
-    cloth_spring_move(&a, &p, get(force), &x, &v, &impulse, &with_bodies);
+    if (cloth_spring_push(&a, &p, get(force), &x, &v, &impulse))
+      x = cloth_shapes_move(&a.shapes, a.h, x, &v, &with_bodies);
     if (p.slot >= 0) cloth_spring_impulse_add(&a, p.slot, impulse);
     if (a.touch)
       a.touch[2 * row] = (uint32_t)force.more, a.touch[2 * row + 1] = (uint32_t)with_bodies;

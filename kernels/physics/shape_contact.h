@@ -33,20 +33,29 @@ CLOTH_FN cloth_v3 cloth_pose_inverse(const cloth_real *pose, cloth_v3 p)
                        pose[2] * d.x + pose[5] * d.y + pose[8] * d.z);
 }
 
+// where a particle came from, in the frame of body b; who comes into a box by which face depends on
+// it, other shapes do not ask
+CLOTH_FN cloth_v3 cloth_shape_from(const cloth_shapes *s, int b, cloth_v3 x_t0)
+{
+  if (s->kind[b] != CLOTH_SHAPE_KIND_BOX) return cloth_v3_make(0, 0, 0);
+  return cloth_pose_inverse(s->pose_t0 + 12 * b, x_t0);
+}
+
 /// What body b makes of the velocity v [m/s] of a particle at x [m], h [s] before the end. Returns
 /// 1 if they meet.
 CLOTH_FN int cloth_shape_velocity(const cloth_shapes *s, int b, cloth_real h, cloth_v3 x,
                                   cloth_v3 *v)
 {
   const cloth_real *t0 = s->pose_t0 + 12 * b, *t1 = s->pose_t1 + 12 * b;
-  cloth_v3 from = cloth_pose_inverse(t0, x);
-  cloth_v3 to = cloth_pose_inverse(t1, cloth_v3_add_scaled(x, h, *v)), n;
+  cloth_v3 from = cloth_shape_from(s, b, x), body = cloth_v3_make(0, 0, 0), n;
+  cloth_v3 to = cloth_pose_inverse(t1, cloth_v3_add_scaled(x, h, *v));
   if (!cloth_shape_resolve(s->kind[b], s->size + 3 * b, s->gap, from, &to, &n)) return 0;
+  from = cloth_pose_inverse(t0, x);
   // distance that may still be gone along the normal, and the velocity of the body's point
   cloth_real room = cloth_v3_dot(n, cloth_v3_sub(from, to));
   n = cloth_pose_turn(t1, n);
-  cloth_v3 body =
-      cloth_v3_scale(1 / h, cloth_v3_sub(cloth_pose_apply(t1, to), cloth_pose_apply(t0, to)));
+  if (t0 != t1) // where all bodies rest, there is one row of poses
+    body = cloth_v3_scale(1 / h, cloth_v3_sub(cloth_pose_apply(t1, to), cloth_pose_apply(t0, to)));
   cloth_v3 w = cloth_v3_sub(*v, body);
   cloth_real along = cloth_v3_dot(w, n), least = room > 0 ? -room / h : 0;
   if (!(along < least)) return 1;
@@ -62,7 +71,7 @@ CLOTH_FN int cloth_shape_velocity(const cloth_shapes *s, int b, cloth_real h, cl
 CLOTH_FN void cloth_shape_position(const cloth_shapes *s, int b, cloth_v3 x_t0, cloth_v3 *x)
 {
   const cloth_real *t1 = s->pose_t1 + 12 * b;
-  cloth_v3 from = cloth_pose_inverse(s->pose_t0 + 12 * b, x_t0);
+  cloth_v3 from = cloth_shape_from(s, b, x_t0);
   cloth_v3 at = cloth_pose_inverse(t1, *x), to = at, n;
   if (cloth_shape_resolve(s->kind[b], s->size + 3 * b, s->gap, from, &to, &n))
     *x = cloth_v3_add(*x, cloth_pose_turn(t1, cloth_v3_sub(to, at)));

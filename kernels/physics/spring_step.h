@@ -126,10 +126,11 @@ CLOTH_FN void cloth_spring_strayed_note(const cloth_spring_step_args *a, int far
   if (far > 1) cloth_atomic_or(a->strayed, 1);
 }
 
-/// Where a force f [N] takes a particle with position *x [m] and velocity *v [m/s] in a sub-step.
-/// *impulse: what its hold gave [N s]; *touch: how many bodies it met.
-CLOTH_FN void cloth_spring_move(const cloth_spring_step_args *a, const cloth_spring_particle *p,
-                                cloth_v3 f, cloth_v3 *x, cloth_v3 *v, cloth_v3 *impulse, int *touch)
+/// What a force f [N] makes of the velocity *v [m/s] of a particle at *x [m] in a sub-step; one
+/// that is held rigidly also goes where it is aimed at. Returns 1 if it has still to go. *impulse:
+/// what its hold gave [N s].
+CLOTH_FN int cloth_spring_push(const cloth_spring_step_args *a, const cloth_spring_particle *p,
+                               cloth_v3 f, cloth_v3 *x, cloth_v3 *v, cloth_v3 *impulse)
 {
   cloth_real h = a->h, m = p->mass;
   if (p->slot >= 0 && !(a->holds.free[p->i] > 0)) {
@@ -137,7 +138,7 @@ CLOTH_FN void cloth_spring_move(const cloth_spring_step_args *a, const cloth_spr
     cloth_v3 v_end = cloth_v3_scale(1 / h, cloth_v3_sub(end, *x));
     *impulse = cloth_v3_add_scaled(cloth_v3_scale(m, cloth_v3_sub(v_end, *v)), -h, f);
     *x = end, *v = v_end;
-    return;
+    return 0;
   }
   if (p->slot >= 0) {
     cloth_v3 pull = cloth_v3_scale(a->holds.stiffness[p->i],
@@ -147,7 +148,7 @@ CLOTH_FN void cloth_spring_move(const cloth_spring_step_args *a, const cloth_spr
   }
   *v = cloth_v3_add_scaled(*v, h / m, f);
   if (a->mass_drag) *v = cloth_v3_scale(1 / (1 + h * p->drag), *v); // implicit
-  *x = cloth_shapes_move(&a->shapes, h, *x, v, touch);
+  return 1;
 }
 
 /// What a hold gave in a sub-step [N s].
@@ -168,7 +169,8 @@ CLOTH_FN void cloth_spring_step(int row, const cloth_spring_step_args *a)
     f = cloth_v3_add(f, cloth_particle_sum(&a->particles, row, i, a->x, a->v, &with_particles));
   if (a->x_ref)
     cloth_spring_strayed_note(a, cloth_spring_strayed(a, x, cloth_v3_load(a->x_ref, i)));
-  cloth_spring_move(a, &p, f, &x, &v, &impulse, &with_bodies);
+  if (cloth_spring_push(a, &p, f, &x, &v, &impulse))
+    x = cloth_shapes_move(&a->shapes, a->h, x, &v, &with_bodies);
   if (p.slot >= 0) cloth_spring_impulse_add(a, p.slot, impulse);
   cloth_v3_store(a->x_next, i, x);
   cloth_v3_store(a->v_next, i, v);

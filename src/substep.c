@@ -237,8 +237,9 @@ cloth_status cloth_advance(cloth_sim *sim, double from, double to, const cloth_c
   else if (*result == OUTCOME_GOOD && is_far_from_linear(sim))
     *result = OUTCOME_ROUGH;
   bool good;
-  if (to == 1) CLOTH_TRY(cloth_stretch_look(sim, err)); // state/stretch.c  for the report
-  STAGE(commit, cloth_commit(sim, &good, err));         // state/commit.c     v = (x - x0) / h
+  if (to == 1)
+    CLOTH_TRY(cloth_stretch_look(sim, sim->part[0].x, err)); // state/stretch.c  for the report
+  STAGE(commit, cloth_commit(sim, &good, err));              // state/commit.c     v = (x - x0) / h
   if (!good) *result = OUTCOME_UNSTABLE;
   return CLOTH_OK;
 }

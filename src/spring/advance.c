@@ -235,6 +235,7 @@ static cloth_status read_part(cloth_sim *sim, cloth_part *p, bool last, cloth_sp
                                p->mass, p->spring.touch, p->spring.chunk};
   if (chunks == 0) return CLOTH_OK;
   if (last) CLOTH_LAUNCH(sim, p, spring_chunk, (int)chunks, &a, err);
+  if (last) CLOTH_TRY(cloth_stretch_look(sim, p->x_t0, err));
   CLOTH_TRY(cloth_staging(sim, bytes / sizeof(cloth_real) + 1, err));
   CLOTH_TRY(sim->backend->read(p->device, sim->host, p->spring.sums, bytes, err));
   uint32_t sum[CLOTH_SPRING_HEAD];

@@ -283,8 +283,9 @@ bool cloth_rescue_probe(cloth_sim *sim);
 cloth_part *cloth_rescue_part(cloth_sim *sim);
 /// Into the report: the largest stretch of any triangle at x_t0 (state/stretch.c).
 cloth_status cloth_stretch_measure(cloth_sim *sim, cloth_error *err);
-/// At the end of the last substep, at x: so that it comes with what the host reads of that.
-cloth_status cloth_stretch_look(cloth_sim *sim, cloth_error *err);
+/// Before the host reads of the step's end, with the first part's positions then: so that it comes
+/// with that.
+cloth_status cloth_stretch_look(cloth_sim *sim, const cloth_real *x, cloth_error *err);
 /// After x went elsewhere than predicted: the box anew, and bodies that it now meets become near.
 cloth_status cloth_bodies_join(cloth_sim *sim, cloth_error *err);
 cloth_status cloth_freeze_bodies(cloth_sim *sim, cloth_error *err); // all at rest where they are

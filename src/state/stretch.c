@@ -43,14 +43,14 @@ static double largest_of(const cloth_real *value, int count, double worst)
   return worst;
 }
 
-cloth_status cloth_stretch_look(cloth_sim *sim, cloth_error *err)
+cloth_status cloth_stretch_look(cloth_sim *sim, const cloth_real *x, cloth_error *err)
 {
   cloth_along *along = &sim->along;
   cloth_part *p = &sim->part[0];
   cloth_real *largest;
   along->stretch = cloth_reads_along(sim);
   if (!along->stretch) return CLOTH_OK;
-  CLOTH_TRY(measure(sim, p, p->x, &largest, &along->stretched_count, err));
+  CLOTH_TRY(measure(sim, p, x, &largest, &along->stretched_count, err));
   if (along->stretched_count == 0) return CLOTH_OK;
   return cloth_read_along(sim, along->stretched, largest,
                           sizeof(cloth_real) * (size_t)along->stretched_count, err);
